@@ -1,9 +1,10 @@
-# Bitstream for the Arty A7-35T with Vivado. Not built here: no Vivado was at hand.
+# Bitstream for the Arty A7-35T with Vivado. Not tested: Vivado was not available.
 #
 #   python tools/synth.py --macros arty_a7 fingertip     build/synth/arty_a7-fingertip/msn_build.svh
 #   vivado -mode batch -source tools/arty_a7.tcl -tclargs fingertip
 #
-# From the repository's root; slip1, fingertip, or the name of a TOML file without its ending. For the -100T change the part.
+# Run it in the repository's root, with slip1, fingertip, or the name of a TOML file without its suffix. For the
+# -100T change the part.
 
 set config [expr {$argc > 0 ? [lindex $argv 0] : "fingertip"}]
 set folder build/synth/arty_a7-$config

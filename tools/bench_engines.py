@@ -1,6 +1,6 @@
-"""Samples per second of each engine through ``meissner process slip``, and a scene's time: medians.
+"""Median samples per second of each engine through ``meissner process slip``, and the time of a scene.
 
-A machine's clock decides them: only the ratios within one run say anything of the engines.
+The figures depend on the machine: only ratios within one run compare the engines.
 """
 
 import argparse
@@ -14,8 +14,8 @@ from meissner.twins.slip.config import SlipConfig
 
 
 def rates(name, samples, config, repeats):
-    """Samples per second of engine ``name``, by the wall's clock and the processor's: medians."""
-    engines.process_slip(samples[:1000], config, name)  # built and warm
+    """Median samples per second of engine ``name``, by wall-clock time and by CPU time."""
+    engines.process_slip(samples[:1000], config, name)  # builds the engine and warms it up
     walls, cpus = [], []
     for _ in range(repeats):
         wall, cpu = time.perf_counter(), time.process_time()
@@ -26,8 +26,8 @@ def rates(name, samples, config, repeats):
 
 
 def measure(count, repeats, hops=(64, 32, 2)):
-    """Yield (hop, engine, rate by the wall's clock, rate by the processor's)."""
-    # Quiet noise that slips in about one window of a thousand, like a held object.
+    """Yield (hop, engine, rate by wall-clock time, rate by CPU time)."""
+    # Low noise with a slip in about one window of a thousand, like a held object.
     x = np.random.default_rng(1).integers(-60, 60, count)
     for hop in hops:
         config = SlipConfig(threshold=230, hop=hop)
@@ -37,7 +37,7 @@ def measure(count, repeats, hops=(64, 32, 2)):
 
 
 def figures():
-    """Engine: samples per second of the processor's time, window and hop 64."""
+    """{engine: samples per second of CPU time}, with window and hop 64."""
     return {name: rate for _, name, _, rate in measure(5_000_000, 5, (64,))}
 
 

@@ -1,11 +1,11 @@
-"""docs/blocks.md: every block, from the header comments of the sources that rtl/rtl.f lists; the list of
-these sources in meissner.core, for FuseSoC; and the tables of docs/references.md.
+"""Write docs/blocks.md from the header comments of the sources in rtl/rtl.f, the list of these sources in
+meissner.core (for FuseSoC), and the tables of docs/references.md.
 
     python tools/blocks.py           print the page
     python tools/blocks.py --page    write all three
 
-Of a header, the first sentence is what the block does, the sentence that begins with "Latency" or
-"Combinational" is its latency, and a path under model/meissner/ is its twin. The test has the block's name.
+The first sentence of a header states what the block does, the sentence that begins with "Latency" or
+"Combinational" its latency, and a path under model/meissner/ its twin. The test has the block's name.
 """
 
 import argparse
@@ -19,11 +19,11 @@ CORE = toolchain.ROOT / "meissner.core"
 MODEL = "model/meissner/twins/"
 HEAD = """# Blocks
 
-Written by `python tools/blocks.py --page` from the header comments of the sources, in the order of
-`rtl/rtl.f`. The headers also have each block's formula and formats. [frames.md](frames.md) describes the
-handshake and what each block does with damaged frames, [references.md](references.md) what each twin is
-checked against, [trust.md](trust.md) the evidence for each block. An empty cell: the header gives no single
-latency, or the file does not exist.
+`python tools/blocks.py --page` writes this page from the header comments of the sources, in the order of
+`rtl/rtl.f`. The headers also give each block's formula and formats. [frames.md](frames.md) describes the
+handshake and how each block handles damaged frames, [references.md](references.md) the reference of each
+twin, [trust.md](trust.md) the evidence for each block. A cell is empty if the header gives no single latency
+or the file does not exist.
 
 | block | stage | what it does | latency, throughput | twin | test |
 |---|---|---|---|---|---|
@@ -38,11 +38,11 @@ def header(path):
             break
         lines.append(line.removeprefix("//").removeprefix(" ").rstrip())
     paragraphs = "\n".join(lines[1:]).strip().split("\n\n")
-    # What tools/registers.py makes says so first.
+    # The first paragraph of a file that tools/registers.py generates says only that.
     return [text for text in paragraphs if not text.startswith("Made by ")]
 
 
-END = r"(?<!\.)\.(?=\s|$)"  # of a sentence; no ".." of a range, no 1.5
+END = r"(?<!\.)\.(?=\s|$)"  # of a sentence; skips the ".." of a range and the point in 1.5
 
 
 def purpose(paragraphs):
@@ -52,7 +52,7 @@ def purpose(paragraphs):
 
 
 def latency(paragraphs):
-    """What the sentence about latency says; empty if the header has none."""
+    """The statement of the latency sentence; empty if the header has none."""
     begin = r"(?:^|[.:]\s|\s\s)(Latency(?: and formats are)?|Combinational)\b"
     found = re.search(rf"{begin}(.*?){END}", "\n".join(paragraphs), re.DOTALL | re.MULTILINE)
     if not found:
@@ -62,7 +62,7 @@ def latency(paragraphs):
 
 
 def link(path):
-    """Markdown for a file, named as the reader of docs/ finds it."""
+    """Markdown link to a file, relative to docs/."""
     text = str(path).removeprefix(MODEL).removeprefix("tb/")
     return f"[`{text}`](../{path})"
 
@@ -90,7 +90,7 @@ def page():
 
 
 def core(before):
-    """The text of meissner.core with the sources of rtl/rtl.f in place of those that it lists."""
+    """The text of meissner.core with its list of sources replaced by that of rtl/rtl.f."""
     listed = "".join(f"      - {path.relative_to(toolchain.ROOT)}\n" for path in toolchain.sources())
     return re.sub(r"(?m)(?:^ +- rtl/.*\n)+", listed, before, count=1)
 

@@ -1,4 +1,4 @@
-"""Check for what PyPI cannot give; print the one command that installs it and stop."""
+"""Check for prerequisites that PyPI does not provide; print the command that installs them and stop."""
 
 import shutil
 import sys

@@ -1,9 +1,9 @@
-"""Where each constant of the physics is from, and what slip's headline figures owe to those that are chosen.
+"""The origin of each constant of the physics, and how far slip's headline figures depend on the chosen ones.
 
-    python tools/constants.py --page                 docs/constants.md, from the modules and what is recorded
+    python tools/constants.py --page                 write docs/constants.md from the modules and the record
     python tools/figures.py --record constants       measure the changes of ``CHANGES`` again (minutes)
 
-Each module of meissner.physics says it beside its constants, as ``ORIGINS``: {name: (kind, where, effect)}.
+Each module of meissner.physics states the origins of its constants: ORIGINS = {name: (kind, where, effect)}.
 """
 
 import argparse
@@ -50,7 +50,7 @@ def _has_numbers(value):
 
 
 def modules():
-    """Those of meissner.physics that have constants. Its packages have none of physics: they are solvers."""
+    """The modules of meissner.physics that have constants. Its packages are solvers and have none."""
     found = pkgutil.iter_modules(physics.__path__, "meissner.physics.")
     loaded = [importlib.import_module(one.name) for one in found if not one.ispkg]
     return [module for module in loaded if constants(module) and module.__name__ not in FORMATS]
@@ -69,14 +69,14 @@ def _verdicts(name, first=None):
 
 
 def _row(change=None):
-    """What a change gives; without one, the figures as they are."""
+    """The figures with a change; without one, the figures as they are."""
     slips = list(_verdicts(SLIPS, change and change.first))
     presses = list(_verdicts(PRESSES)) if change is None or change.presses else None
     return _of(slips) | {"false_alarm": rates(slips + presses)["false_alarm_rate"] if presses else None}
 
 
 def _of(verdicts):
-    """The entries of a row, of runs in which slips come."""
+    """The entries of a row, from the verdicts of runs with slips."""
     found = rates(verdicts)
     delays = [1e3 * one["delay_s"] for one in verdicts if one["delay_s"] is not None]
     return {
@@ -88,7 +88,7 @@ def _of(verdicts):
 
 
 def _held_row(change=None):
-    """The same of ``HELD``: slip from four wires, all pulls and grips."""
+    """The same for the scene ``HELD``: slip from four wires, all pulls and grips."""
     scene = scenes.load(HELD)
     verdicts = []
     for condition in scene.conditions:
@@ -100,7 +100,7 @@ def _held_row(change=None):
 
 
 def _rows(changes, row):
-    """Rows of ``changes``, the first as it is."""
+    """A row for the unchanged constants, then one for each of ``changes``."""
     found = [{"name": "as they are", "value": None} | row()]
     for change in changes:
         with changed(change):
@@ -118,14 +118,14 @@ def most_missed(row):
 
 
 def ranges(rows):
-    """(least, most) of the median delay, and of the least lead, of all rows in which not most are missed."""
+    """(least, greatest) median delay, and the same of the least lead; rows that miss most slips left out."""
     rows = [row for row in rows if not most_missed(row)]
     delays, leads = [row["delay_ms"] for row in rows], [row["lead_ms"] for row in rows]
     return (min(delays), max(delays)), (min(leads), max(leads))
 
 
 def text_of(value):
-    """A constant's value for a cell; tables are named by their size."""
+    """A constant's value for a cell; a table is shown by its size."""
     if isinstance(value, (dict, list, tuple, np.ndarray)) and len(str(value)) > 60:
         return f"table of {len(value)}"
     if isinstance(value, (float, np.floating)):
@@ -134,7 +134,7 @@ def text_of(value):
 
 
 def changes_table(changes, rows):
-    """The table of ``changes`` as Markdown, from what is recorded."""
+    """The table of ``changes`` as Markdown, from the recorded rows."""
     lines = [
         "| constant | instead of | value | missed | with a false alarm | delay, median | lead, least |",
         "|---|---|---|---|---|---|---|",

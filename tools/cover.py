@@ -1,12 +1,13 @@
-"""Coverage of the RTL and of its twins: what the blocks' own tests reach, point by point.
+"""Coverage of the RTL and of its twins: which points the blocks' own tests reach.
 
     python tools/cover.py [--record] [--no-run] [--long] [BLOCK ...]
 
-Runs the tests of the blocks named, or of all, in builds that count (tb/runner.py), merges the counts by point
-of the source over all instances and parameter sets, leaves out what tb/coverage/waivers.toml excludes, each
-with its reason, and prints a row per block and every hole. Exits 1 if there is a hole, a waiver without
-reason, one that was hit after all or one that matches nothing. ``--no-run`` reads the counts of the run
-before; ``--record`` merges the table into docs/trust/coverage.json. docs/coverage.md says what is counted.
+Runs the tests of the given blocks (default: all) in builds with coverage counters (tb/runner.py), merges the
+counts by source point over all instances and parameter sets, leaves out the points that
+tb/coverage/waivers.toml excludes with a reason, and prints a row per block and every hole. Exits 1 if there
+is a hole, or a waiver that has no reason, was hit after all, or matches nothing. ``--no-run`` reads the
+counts of the previous run; ``--record`` merges the table into docs/trust/coverage.json. docs/coverage.md
+states what is counted.
 """
 
 import argparse
@@ -23,7 +24,7 @@ from verify import benches, evidence, record
 
 COUNTS = FOLDER / "counts"
 TRACES = FOLDER / "python"
-REVISIONS = FOLDER / "revisions.json"  # record.digest of each block as it was counted
+REVISIONS = FOLDER / "revisions.json"  # record.digest of each block at the time of its run
 
 
 def tests_of(blocks):
@@ -39,7 +40,7 @@ def tests_of(blocks):
 
 
 def run(blocks, long, jobs):
-    """Run the tests of ``blocks``, or of all, counting; whether they passed."""
+    """Run the tests of ``blocks``, or of all, with coverage counters; return whether they passed."""
     for name in blocks or [""]:
         shutil.rmtree(COUNTS / name, ignore_errors=True)
     traces = TRACES / "-".join(blocks or ["all"])
@@ -65,7 +66,7 @@ def percent(hit, reachable):
 
 
 def points_of(rows):
-    """``rows`` in a few words: points hit of those reachable, and how many were left out."""
+    """``rows`` in a few words: the share of reachable points that were hit, and how many were excluded."""
     counts = [row[kind] for row in rows for kind in KINDS if kind in row]
     hit, reachable, excluded = (sum(column) for column in zip(*counts))
     share = "100" if hit == reachable else f"{100 * hit / reachable:.2f}"
@@ -78,7 +79,7 @@ def total(rows):
 
 
 def write(rows):
-    """Merge ``rows`` into docs/trust/coverage.json; each kind of points: hit, reachable, excluded."""
+    """Merge ``rows`` into docs/trust/coverage.json as {kind of point: [hit, reachable, excluded]}."""
     revisions = json.loads(REVISIONS.read_text())
     fresh = {
         name: {kind: counts for kind, counts in row.items() if any(counts)} | {"of": revisions[name]}

@@ -1,4 +1,4 @@
-"""The points of Verilator's and coverage.py's counts, merged by place in the source and judged."""
+"""Coverage points of Verilator and coverage.py, merged by place in the source and checked against waivers."""
 
 import json
 import os
@@ -21,7 +21,7 @@ STAGES = tuple(dict.fromkeys(map(benches.stage_of, benches.blocks())))
 
 
 def points_of(path):
-    """The points of one of Verilator's counts: pairs of {key: value} and the count."""
+    """The points in one of Verilator's files: pairs of {key: value} and the count."""
     for line in path.read_text(encoding="latin1").splitlines():
         if line.startswith("C '"):
             key, count = line[3:].rsplit("' ", 1)
@@ -31,10 +31,9 @@ def points_of(path):
 def merge(paths, text_of):
     """Counts by block, as {block: {(kind, label): count}}.
 
-    A label names a point without its line's number, so that it holds while the file changes: a toggle by
-    signal and bit, any other by the source line and Verilator's remark; ``[*]`` stands for the index of a
-    generate block.
-    ``text_of``: source file to its lines.
+    A label names a point without its line number, so that it stays valid while the file changes: a toggle by
+    signal and bit, any other point by the text of its source line and Verilator's comment. ``[*]`` stands for
+    the index of a generate block. ``text_of``: maps a source file to its lines.
     """
     merged = defaultdict(lambda: defaultdict(int))
     for path in paths:
@@ -58,7 +57,7 @@ def merge(paths, text_of):
 
 
 def pattern(text):
-    """A waiver's pattern as a regular expression: ``*`` is anything, ``{4..19}`` any number of these."""
+    """A waiver's pattern as a regular expression: ``*`` is any text, ``{4..19}`` any number in this range."""
     parts = re.split(r"(\*|\{\d+\.\.\d+\})", text)
     for index, part in enumerate(parts):
         span = re.fullmatch(r"\{(\d+)\.\.(\d+)\}", part)
@@ -71,22 +70,22 @@ def pattern(text):
 
 
 def never(counts, matched):
-    """Points that must not be hit. This and the next three: the points left out, and those that are wrong."""
+    """Points that must not be hit. This and the next three return (points to exclude, points wrongly hit)."""
     return set(matched), {point for point in matched if counts[point]}
 
 
 def constant(counts, matched):
-    """Toggles of bits that do not change, but may come up once as the simulation begins."""
+    """Toggles of constant bits, which may change once when the simulation begins."""
     return set(matched), {point for point in matched if counts[point] and point[1].endswith(":1->0")}
 
 
 def sink(counts, matched):
-    """Points of no matter, hit or not."""
+    """Points that may be hit or not."""
     return set(matched), set()
 
 
 def counter(counts, matched):
-    """Toggles of a counter's bits above the last that moved, if all below it did."""
+    """Toggles of a counter's bits above the highest that toggled, if all bits below that toggled."""
     bits = defaultdict(lambda: defaultdict(set))
     for point in matched:
         signal, bit = re.fullmatch(r"(.*)\[(\d+)\]:.*", point[1]).groups()
@@ -104,7 +103,7 @@ RULES_OF = {"never": never, "constant": constant, "sink": sink, "counter": count
 
 
 def judge(merged, waivers, blocks):
-    """Rows {block: {kind: [hit, reachable, excluded]}}, holes and faults of the waivers, as lines of text."""
+    """Rows {block: {kind: [hit, reachable, excluded]}}, and lines of text for holes and for waiver errors."""
     rows, holes, faults = {}, [], []
     excluded = defaultdict(set)
     for waiver in waivers:
@@ -142,7 +141,7 @@ def judge(merged, waivers, blocks):
 
 
 def merge_twins(traces, merged):
-    """Add the lines and branches of the twins that ``traces`` know to ``merged``."""
+    """Add the twins' lines and branches from ``traces`` to ``merged``."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-m", "coverage"]
     rules = f"--rcfile={RULES}"
@@ -168,5 +167,5 @@ def merge_twins(traces, merged):
 
 
 def twin_name(path):
-    """The block whose twin ``path`` is; for what serves several, its path without ending."""
+    """The block whose twin is ``path``; for a file that several blocks share, its path without suffix."""
     return path.stem if path.stem in benches.blocks() else f"{path.parent.name}/{path.stem}"

@@ -1,8 +1,9 @@
-"""Which form of msn_am_demod at what signal-to-noise: Markdown table, and a picture with --picture FILE.
+"""Errors of the forms of msn_am_demod by signal-to-noise ratio: a Markdown table, a plot with --picture FILE.
 
-A carrier in a converter of 12 bits, 1000 codes or what its noise leaves room for, 8 periods a measurement,
-white noise. Errors in % of the amplitude: the spread of single measurements at one phase, and the bias of
-their mean over all phases, noise taken for carrier; `phase` is what the phase alone changes, without noise.
+A carrier in a 12-bit converter, with an amplitude of 1000 codes or less if the noise needs the range, white
+noise, 8 periods per measurement. Errors in % of the amplitude: the spread of single measurements at one
+phase, and the bias of their mean over all phases (noise read as carrier). `phase` is the error that the phase
+alone causes, without noise.
 """
 
 import argparse

@@ -1,12 +1,12 @@
-"""Every block's netlist against its sources, and whether a reset makes it forget: proofs, no simulation.
+"""Prove each block's netlist equal to its sources, and that a reset clears its earlier state; no simulation.
 
     python tools/equivalence.py                     every block of rtl/rtl.f: ecp5, ice40, reset
     python tools/equivalence.py divide -k reset     one block, one kind of proof
     python tools/equivalence.py --record            the results into docs/trust/equivalence.json
 
-A block's parameters are a set that its own tests build it with: the first, or the first of the size
-that they state (verify/evidence.py). Exit code 1 if something is open that they do not state as open, or if
-nothing ran. docs/equivalence.md has more.
+A block is built with the first parameter set of its own tests, or the first of the size that the tests state
+(verify/evidence.py). Exit code 1 if a proof is open that the tests do not state as open, or if nothing ran.
+docs/equivalence.md has more.
 """
 
 import argparse
@@ -26,25 +26,25 @@ from meissner.builds.yowasp import ToolError, warm_up
 from verify import benches, circuit, evidence, netlist_proof, record, reset_proof
 from verify.reset_proof import Task
 
-OUT = "build/equivalence"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
+OUT = "build/equivalence"  # relative to ROOT: YoWASP sees only files below its working directory
 NAMES = {"ecp5": "ECP5", "ice40": "iCE40", "reset": "reset"}
 KINDS = tuple(NAMES)
-LIMIT_S = 60  # what closes takes less than half of it
+LIMIT_S = 60  # proofs that succeed take less than half of it
 
 
 def asked(block, key):
-    """What the block's tests state of these proofs (verify.evidence.KEYS), None if nothing."""
+    """What the block's tests state about these proofs under ``key`` (verify.evidence.KEYS), or None."""
     return evidence.of(block, "equivalence").get(key)
 
 
 def task_of(block):
-    """What the proof of its reset assumes: docs/equivalence.md says why."""
+    """The assumptions of the block's reset proof; docs/equivalence.md gives the reasons."""
     return Task(**(asked(block, "reset") or {}))
 
 
 def parameters(blocks, *keys):
-    """{block: the set of its tests that its proofs use}: the first of the size that they state, under the
-    last of ``keys`` that they have."""
+    """{block: parameter set for its proofs}: the first one in its tests that has the stated size. The last of
+    ``keys`` that the tests state gives the size."""
     found, sizes = {}, {}
     for block in blocks:
         stated = [asked(block, key) for key in keys]
@@ -59,19 +59,19 @@ def parameters(blocks, *keys):
 
 
 def prove_netlists(block, chosen, families):
-    """{family: result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has them."""
+    """{family: result} of ``block`` with ``chosen`` parameters, as in docs/trust/equivalence.json."""
     folder = f"{OUT}/{block}"
     result = {"parameters": spelt(chosen)}
     slang = not asked(
         block, "yosys"
-    )  # never tried where slang's fails: a misread source is alike on both sides
+    )  # not a fallback where slang's proof fails: Yosys would misread the source alike on both sides
     for defined in (True,) if asked(block, "defined") else (False, True):
         again = [family for family in families if not result.get(family, {}).get("proven")]
         try:
             bits = again and circuit.synthesise(
                 block, chosen, folder, again, defined, cut=bool(asked(block, "boxes")), slang=slang
             )
-        except ValueError as error:  # a memory that asks for block RAM
+        except ValueError as error:  # a memory that must be block RAM
             result |= {family: {"proven": False, "error": str(error)} for family in again}
             continue
         for family, from_reset in product(again, (False, True)):
@@ -84,7 +84,7 @@ def prove_netlists(block, chosen, families):
 
 
 def source_of(block, chosen, folder, task):
-    """The bits of a block's source, among frames where ``task`` says so."""
+    """The circuit of a block's source, wrapped to receive frames if ``task`` says so."""
     source = circuit.synthesise(block, chosen, folder, ())["source"]
     if not task.framed:
         return source
@@ -93,7 +93,7 @@ def source_of(block, chosen, folder, task):
 
 
 def prove_reset(block, chosen):
-    """{"reset": result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has it."""
+    """{"reset": result} of ``block`` with ``chosen`` parameters, as in docs/trust/equivalence.json."""
     task, folder = task_of(block), f"{OUT}/{block}/reset"
     source = source_of(block, chosen, folder, task)
     result = said(lambda: reset_proof.prove(source, task))
@@ -105,7 +105,7 @@ def prove_reset(block, chosen):
 
 
 def prove_clocks(block, chosen):
-    """{"reset": how many clocks after a reset nothing differs}, again and again; memories begin alike."""
+    """Yield {"reset": clocks after a reset without a difference} as they grow; memories start equal."""
     task = replace(task_of(block), alike=True)
     source = source_of(block, chosen, f"{OUT}/{block}/clocks", task)
     for differ, clocks in reset_proof.bounded(source, task):
@@ -117,7 +117,7 @@ def spelt(parameters):
 
 
 def said(proof):
-    """What came of a proof: the outputs it leaves open, if any, or the trouble; and its CPU seconds."""
+    """The result of a proof: the outputs that it leaves open, or the error, and its CPU seconds."""
     before = cpu_seconds()
     try:
         open_ones = proof()
@@ -133,7 +133,7 @@ def cpu_seconds():
 
 
 def _alone(pipe, limit_s, prove, *asked):
-    resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s + 5))  # of each of its tools too
+    resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s + 5))  # for each tool it starts, too
     try:
         for told in prove(*asked):
             pipe.send(told)
@@ -142,7 +142,7 @@ def _alone(pipe, limit_s, prove, *asked):
 
 
 def limited(limit_s, kinds, prove, *asked):
-    """What ``prove`` says last of ``kinds``, in a process of its own that may take so much processor time."""
+    """The last result that ``prove`` yields for ``kinds`` in its own process within the CPU time limit."""
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     worker = context.Process(target=_alone, args=(there, limit_s, prove, *asked))
@@ -161,7 +161,7 @@ def limited(limit_s, kinds, prove, *asked):
 
 
 def word(result):
-    """A kind's result in a few words."""
+    """The result of one kind of proof in a few words."""
     if result["proven"]:
         return "proven"
     if result.get("clocks"):

@@ -1,12 +1,12 @@
-"""Every block and solver at the ends of its range and beyond, against exact arithmetic: docs/extremes.md.
+"""Check blocks and solvers at and beyond the ends of their ranges against exact numbers (docs/extremes.md).
 
     python tools/extremes.py [--quick] [--jobs N] [--seed N] [--record] [ROW ...]     default: all rows
     python tools/extremes.py --page            the page from the record, without a run
-    python tools/extremes.py --headers         the line of each block's header, where it differs
-    python tools/extremes.py --elaborate [BLOCK ...]    the RTL at the ends of its parameters and each pair
+    python tools/extremes.py --headers         write the error line into block headers where it differs
+    python tools/extremes.py --elaborate [BLOCK ...]    elaborate the RTL with each pair of parameter ends
 
-A row is a function in tb/extremes/; tools/verify/extremes.py says how it is written. Stops with an error if
-a row has a finding, or if nothing ran.
+A row is a function in tb/extremes/; tools/verify/extremes.py describes its form. Stops with an error if a row
+has a finding, or if nothing ran.
 """
 
 import argparse
@@ -28,20 +28,19 @@ RECORD = record.FOLDER / "extremes.json"
 COMMAND = "make extremes"
 HEAD = """# Extremes
 
-Each block that computes, and each solver, at the ends of its range and beyond: zero, one LSB, full scale,
-saturation, alternating full scale, the longest sums, the worst cancellation, wraps of time and counters,
-the least and greatest value of each parameter and each pair of them, then what hypothesis draws.
-Expectations are exact: integers, fractions and 50 digits of mpmath, written from the formulas of docs/ in
-`tb/reference/`, which imports nothing of the twins. A twin equals its RTL bit for bit in the block's own
-tests: the last column names the one that drives both. Verilator reads the RTL of each block with two or
-more parameters at the ends of all of them and in each pair of these, too (`python tools/extremes.py
---elaborate`): what no check of the block refuses has to read without a warning.
+Each block that computes, and each solver, is tested at the ends of its range and beyond: zero, one LSB, full
+scale, saturation, alternating full scale, the longest sums, the worst cancellation, wrap-around of time and
+counters, the least and greatest value of each parameter and each pair of them, then random cases drawn by
+hypothesis. The expected values are exact: integers, fractions and 50 digits of mpmath, computed from the
+formulas of docs/ in `tb/reference/`, which imports nothing from the twins. The block's own tests show that a
+twin equals its RTL bit for bit; the last column names the test that drives both. Verilator also elaborates
+the RTL of each block with two or more parameters with each pair of parameter ends (`python tools/extremes.py
+--elaborate`): every set that no check of the block refuses must elaborate without a warning.
 
-`make extremes` runs all of it and writes this page; `make test` has a short form
-(`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a warning of NumPy or a
-value that should have been refused and was not is a finding. The bound stands in the block's header too,
-and a test compares the two. A row is **stale** if its RTL, its twin, its cases or their references have
-changed since.
+`make extremes` runs everything and writes this page; `make test` runs a short form
+(`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a NumPy warning, or a value
+that should have been refused and was not is a finding. The block's header states the same bound, and a test
+compares the two. A row is **stale** if its RTL, its twin, its cases or their references have changed since.
 
 """
 SECTIONS = (("Blocks", True), ("Solvers", False))
@@ -52,17 +51,17 @@ def number(value):
 
 
 def places(facts):
-    """{what: (worst error, its bound, where)} of a row."""
+    """{quantity: (worst error, its bound, where)} of a row."""
     return {part: (w["error"], w["bound"], w["where"]) for part, w in facts["worst"].items()}
 
 
 def summary(facts):
-    """A row in a cell."""
+    """The result of a row in one cell."""
     return facts["finding"] or f"{facts['cases']} cases within their bounds"
 
 
 def total(rows):
-    """The sentence of a list of rows."""
+    """One sentence that sums up a list of rows."""
     wrong = sum(bool(facts["finding"]) for facts in rows)
     cases = sum(facts["cases"] for facts in rows)
     return f"{len(rows)} rows, {cases} cases, {wrong or 'no'} finding{'s' * (wrong != 1)}"
@@ -74,7 +73,7 @@ def link(test):
 
 
 def table(known, blocks):
-    """Markdown of the rows that are blocks, or of those that are not."""
+    """The Markdown table of the rows for blocks, or of the rows for solvers."""
     lines = ["| row | worst error | bound | where | cases | beyond the range | result | RTL |"]
     lines += ["|---|---|---|---|---|---|---|---|"]
     for name, row in extremes.rows().items():
@@ -100,17 +99,17 @@ def table(known, blocks):
 
 
 def page(told):
-    """docs/extremes.md of what was recorded."""
+    """docs/extremes.md as text, from the record."""
     known = told.get("blocks", {})
     text = HEAD
     if told:
         text += (
-            f"`{told['command']}`, {told['date']}: {told['total']}; {told['seconds']:.0f} s of a processor.\n"
+            f"`{told['command']}`, {told['date']}: {told['total']}; {told['seconds']:.0f} s of CPU time.\n"
         )
     for title, blocks in SECTIONS:
         text += f"\n## {title}\n\n{table(known, blocks)}\n"
     text += "\n## Blocks without arithmetic\n\n"
-    text += "They move words or join other blocks; their tests compare every word.\n\n"
+    text += "These blocks move words or join other blocks; their tests compare every word.\n\n"
     text += "| block | what it does |\n|---|---|\n"
     text += "".join(f"| `msn_{name}` | {why} |\n" for name, why in extremes.without().items())
     return text
@@ -121,7 +120,7 @@ def load():
 
 
 def keep(done, seed):
-    """Put rows among the recorded, and write the page."""
+    """Merge rows into the record and write the page."""
     import datetime
 
     known = {name: facts for name, facts in load().get("blocks", {}).items() if name in extremes.rows()}
@@ -136,7 +135,7 @@ def keep(done, seed):
 
 
 def header(path, line):
-    """A source's text with the line in its header: before the twin's path if that has a line of its own."""
+    """A source's text with the error line in its header, before the line with the twin's path if any."""
     text = path.read_text("utf-8")
     lines = [each for each in text.split("\n") if not each.startswith("// Error: ")]
     head = next(at for at, each in enumerate(lines) if not each.startswith("//"))
@@ -146,7 +145,7 @@ def header(path, line):
 
 
 def wrong_headers():
-    """{path: text} of the blocks whose header says something else than their row."""
+    """{path: corrected text} of the blocks whose header differs from their row."""
     paths = {path.stem.removeprefix("msn_"): path for path in toolchain.sources()}
     found = {}
     for name, row in extremes.rows().items():
@@ -163,7 +162,7 @@ def _run(given):
 
 
 def elaborate(blocks, jobs):
-    """Read each block's RTL at the ends of its parameters; prints a line of each, stops at a finding."""
+    """Elaborate each block's RTL at the ends of its parameters; print a line each, exit 1 on a finding."""
     known, wrong = elaborations.ends(), []
     if unknown := [name for name in blocks if name not in known]:
         sys.exit(f"extremes: {elaborations.ENDS.name} has no block {unknown[0]}")

@@ -1,10 +1,10 @@
-"""Inject faults into blocks and compare their output: bits of state upset, samples lost, repeated or late,
-`last` misplaced, a follower that stands still, resets in every clock, a converter that hangs or is noisy.
+"""Inject faults into blocks and compare their output: state bits upset, samples lost, repeated or late,
+`last` misplaced, a stalled follower, resets in every clock, a converter that hangs or is noisy.
 
     python tools/faults.py [--faults N] [--seed N] [--record] [BLOCK ...]     default: all that have state
 
-A recording of its own tests drives a block; its run without the fault is the expectation. See
-docs/faults.md. Prints a line per block; stops with an error if anything wrong is undetected or nothing ran.
+A recording of a block's own tests drives the block; the run without the fault is the reference. See
+docs/faults.md. Prints a line per block; stops with an error if a wrong result is undetected or nothing ran.
 """
 
 import argparse
@@ -36,7 +36,7 @@ def main():
     names = given.blocks or faults.blocks()
     totals, silent, broken, done = collections.Counter(), [], [], {}
     for name in names:
-        revision = record.digest(name, "faults")  # now: it may change before the end
+        revision = record.digest(name, "faults")  # taken now: the sources may change during the run
         try:
             results = faults.inject(name, given.faults, given.seed)
         except (RuntimeError, subprocess.TimeoutExpired) as problem:

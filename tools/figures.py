@@ -1,9 +1,10 @@
-"""The figures of docs/results.md and README from the records; stale ones are marked (stale).
+"""Write the figures of docs/results.md and README from the records; stale figures are marked (stale).
 
-    python tools/figures.py                     which figures are stale, with the command of each
-    python tools/figures.py --page              the pages from constraints/*.json and docs/figures.json
-    python tools/figures.py --record [NAME...]  scenes on engine fixed, and what tools/measured_figures.py
-                                                names, into docs/figures.json, then the pages
+    python tools/figures.py                     list the stale figures, with the command of each
+    python tools/figures.py --page              write the pages from constraints/*.json and docs/figures.json
+    python tools/figures.py --record [NAME...]  measure scenes on engine fixed and the entries of
+                                                tools/measured_figures.py, record them in docs/figures.json,
+                                                then write the pages
 
 `python tools/fmax.py --record NAME` and `python tools/synth.py --record BOARD CONFIG` record the others.
 """
@@ -21,21 +22,21 @@ from meissner import interval
 from meissner.builds import toolchain
 from verify import revision
 
-PAGES = (toolchain.ROOT / "docs/results.md", toolchain.ROOT / "README.md")  # all of them; the headlines
+PAGES = (toolchain.ROOT / "docs/results.md", toolchain.ROOT / "README.md")  # all figures; the headlines
 SCENES = toolchain.ROOT / "docs/figures.json"
-BEATS = 1024 * 1024 / 8  # of a frame, 8 lanes
+BEATS = 1024 * 1024 / 8  # per frame, with 8 lanes
 HEAD = "| what | figure | command |"
 
 
 class Records:
-    """What is recorded: measured blocks, and the summaries of scenes and tools."""
+    """The records: measured blocks, and the summaries of scenes and tools."""
 
     def __init__(self, blocks=None, printed=None):
         self.blocks = json.loads(fmax.RECORD.read_text()) if blocks is None else blocks
         self.printed = json.loads(SCENES.read_text()) if printed is None else printed
 
     def stale(self, key):
-        """Was ``key``, a block with its target or a name of docs/figures.json, of another revision?"""
+        """Whether ``key``, a block with its target or a name in docs/figures.json, has a stale record."""
         if key in self.blocks:
             return self.blocks[key].get("of") != fmax.revision_of(*key.split())
         entry = self.printed[key]
@@ -43,7 +44,7 @@ class Records:
         return of is None or of != revision.of_files(entry["rests_on"], "scenes")
 
     def says(self, key, template):
-        """``template`` of an entry's fields, marked if it is stale."""
+        """``template`` filled with an entry's fields, marked if the entry is stale."""
         entry = self.blocks.get(key) or self.printed[key]
         if key in self.blocks:
             fields = entry | entry.get("area", {})
@@ -55,22 +56,22 @@ class Records:
 
 
 def scene(*names):
-    """Function of records: the scene's figures in ``WORDS``; several are added up into one sentence."""
+    """A function of the records that gives the scene's figures in ``WORDS``; several scenes are added up."""
     return lambda records: "; ".join(dict.fromkeys(records.says(name, WORDS[name]) for name in names))
 
 
 def owing(name, words):
-    """Function of records: a scene's figures, and ``words`` of what they owe to constants."""
+    """A function of the records: a scene's figures, and ``words`` on how they depend on constants."""
     return lambda records: f"{records.says(name, WORDS[name])}; {records.says('constants', words)}"
 
 
 def block(*parts):
-    """Function of records: ``parts`` are pairs of a key and a template."""
+    """A function of the records; ``parts`` are pairs of a key and a template."""
     return lambda records: "".join(records.says(key, template) for key, template in parts)
 
 
 def errors(s):
-    """Counts of a scene of slip, with the largest rate that they leave possible."""
+    """Misses and false alarms of a slip scene, with the upper end of the interval of each rate."""
 
     parts = [f"{s['missed']} missed{at_most(s['missed_rate'])}"] if s["missed_rate"] else []
     return ", ".join([*parts, f"{s['false_alarms']} false{at_most(s['false_alarm_rate'])}"])
@@ -102,19 +103,19 @@ def grip(s):
 def owes_held(s):
     (least, most), (lead_least, _) = constants.ranges(s["held"])
     return (
-        f"by one constant the median of all pulls is {least:.0f} to {most:.0f} ms and the least "
+        f"if one constant changes, the median of all pulls is {least:.0f} to {most:.0f} ms and the least "
         f"lead {lead_least:.1f} ms (`docs/constants.md`)"
     )
 
 
 def evenness(s):
     before, after = 100 * s["unevenness_before"], 100 * s["unevenness_after"]
-    found = f", the {s['dead']} cells found" if s.get("dead_as_injected") else ""
+    found = f", the {s['dead']} faulty cells found" if s.get("dead_as_injected") else ""
     return f"{before:.1f} % before, {after:.2f} % after{found or ' calibration'}"
 
 
 def held(s):
-    """Glasses that a hand holds by the reflex while something is poured in: scenes' rows."""
+    """The figure of the glasses that the hand holds by the reflex during pouring, from the scenes' rows."""
     found = interval.rate(sum(row["dropped"] for row in s.values()), sum(row["runs"] for row in s.values()))
     ratios = [row["grip_ratio_mean"] for row in s.values()]
     return (
@@ -125,7 +126,7 @@ def held(s):
 
 
 def two_digits(ratio):
-    """A ratio of two times, as far as one run on a shared machine says it."""
+    """A ratio of two times, rounded to what one run on a shared machine supports."""
     return f"{float(f'{ratio:.2g}'):,.0f}"
 
 
@@ -133,8 +134,8 @@ def owes(s):
     (least, most), _ = constants.ranges(s["rows"])
     lost = sum(constants.most_missed(row) for row in s["rows"])
     return (
-        f"the median hangs on chosen constants, {least:.1f} to {most:.0f} ms by one of them, and with "
-        f"{lost} of {len(s['rows']) - 1} changes most slips are missed (`docs/constants.md`)"
+        f"the median depends on chosen constants: {least:.1f} to {most:.0f} ms if one of them changes, and "
+        f"with {lost} of {len(s['rows']) - 1} changes most slips are missed (`docs/constants.md`)"
     )
 
 
@@ -153,15 +154,15 @@ WORDS = {
         f"plain peak-to-peak of the same signal: {s['plain']} recordings"
     ),
     "mesh": lambda s: (
-        f"the same to {s['difference']:.0e}; about {two_digits(s['one'])} times faster one by one, "
+        f"equal to {s['difference']:.0e}; about {two_digits(s['one'])} times faster one by one, "
         f"{two_digits(s['batch'])} times in a batch of 1,000"
     ),
-    "soak": lambda s: f"{s['lost']} lost, {s['wrong']} wrong, {s['images']:,} packets of images beside them",
+    "soak": lambda s: f"{s['lost']} lost, {s['wrong']} wrong, with {s['images']:,} image packets on the line",
     "engines": lambda s: ", ".join(f"{name} {s[name]:.1e}".replace("e+0", "e") for name in s),
     "jitter": lambda s: f"{s['convert_jitter_clocks']} and {s['decision_jitter_clocks']} clocks",
 }
 
-# What measures a figure that is no scene's on engine fixed.
+# The command for each figure that is not measured by a scene on engine fixed.
 COMMANDS = {
     "constants": "python tools/figures.py --record constants",
     "engines": "make bench",
@@ -172,7 +173,7 @@ COMMANDS = {
     "soak": "python tools/soak_link.py",
 }
 
-# Rows of Results by their first cell: the figure from records, and the command if it is not the page's.
+# Rows of the results by their first cell: a function that gives the figure from the records.
 GENERATED = {
     "jitter of convert start and of the decision": scene("jitter"),
     "slip path, 1024 channels, ECP5-25k": block(
@@ -224,13 +225,13 @@ GENERATED = {
 
 
 def results(text):
-    """Cells of the rows of a page's figures: [[what, figure, command]]."""
+    """The cells of a page's table of figures: [[what, figure, command]]."""
     rows = text.partition(HEAD)[2].partition("\n\n")[0].splitlines()[2:]
     return [[cell.strip() for cell in row.strip("| ").split(" | ")] for row in rows]
 
 
 def page(text, records):
-    """A page's ``text`` with its figures as they are recorded."""
+    """A page's ``text`` with the recorded figures filled in."""
     for what, figure, command in results(text):
         if what in GENERATED:
             row = f"| {what} | {GENERATED[what](records)} | {command} |"
@@ -239,7 +240,7 @@ def page(text, records):
 
 
 def measure(names):
-    """Record figures, each in a process of its own."""
+    """Measure and record figures, each in its own process."""
     for name in names:
         done = subprocess.run(
             [sys.executable, str(toolchain.ROOT / "tools/measured_figures.py"), name],

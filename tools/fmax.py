@@ -1,15 +1,15 @@
-"""Block-alone quick place and route: the worst Fmax of three seeds, the area, and ns where clocks are known.
+"""Place and route single blocks: the worst Fmax of three seeds, the area, and the latency in ns if known.
 
-    python tools/fmax.py                    every entry of TABLE on every target it names
+    python tools/fmax.py                    every entry of TABLE on each of its targets
     python tools/fmax.py 'divide*' -t ecp5  only these entries, only this target
-    python tools/fmax.py --list             the entries
-    python tools/fmax.py --record 'slip*'   into constraints/fmax.json too, with the RTL they are of
+    python tools/fmax.py --list             list the entries
+    python tools/fmax.py --record 'slip*'   also record them in constraints/fmax.json, with the RTL's digest
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
-one pin, with registers on both sides, so that neither the pin count nor pin timing matters. Its own cells
-are taken off the area. What an entry ties, an input at a number or an output left open (None), is not in
-the harness, so that synthesis folds it. Results: a table, and build/fmax/fmax.json (entries not run keep
-their last result).
+one pin, with registers on both sides, so that neither the pin count nor pin timing matters. The harness's own
+cells are subtracted from the area. Ports that an entry ties (an input to a number, an output left open with
+None) are not in the harness, so synthesis optimises them away. Results: a table, and build/fmax/fmax.json
+(entries not run keep their last result).
 """
 
 import argparse
@@ -28,11 +28,11 @@ from meissner.tradeoff import area
 from meissner.twins.link.registers import members, struct_word
 from verify import revision
 
-OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
+OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees only files below its working directory
 RECORD = ROOT / "constraints/fmax.json"
 SEEDS = (1, 2, 3)
 
-# Target: synthesis command, place and route command, MHz asked for, names of the resources in the report.
+# Target: synthesis command, place and route command, requested MHz, names of the resources in the report.
 TARGETS = {
     "ecp5": {
         "synth": "synth_ecp5",
@@ -50,7 +50,7 @@ TARGETS = {
 
 
 def demod_entries():
-    """msn_am_demod with a 12-bit converter, up to 64 periods: its forms and samples per period."""
+    """Entries of msn_am_demod, 12-bit converter and up to 64 periods, by form and samples per period."""
     size = {"SampleBits": 13}
     for name, form, samples, clocks in (
         ("rectifier-4", 0, 4, 12),
@@ -66,17 +66,17 @@ def demod_entries():
 
 
 def cop_entries():
-    """msn_cop over fraction bits and bits a clock, pipelined too at Q2.14: speed, accuracy and area."""
+    """Entries of msn_cop by fraction bits and quotient bits per clock; also pipelined at Q2.14."""
     for bits, pipelined in ((4, 0), (14, 0), (20, 0), (14, 1)):
         for per_clock in (1, 2):
             digits = bits + 1 if per_clock == 1 else (bits + 3) // 2
             size = {"Rows": 64, "Columns": 64, "FractionBits": bits, "BitsPerClock": per_clock}
             name = f"cop-64x64-q{bits}-{'pipe' if pipelined else 'turn'}{per_clock}"
-            targets = "ecp5" if pipelined else "ecp5 up5k"  # a pipe is too large for the small one
+            targets = "ecp5" if pipelined else "ecp5 up5k"  # the pipelined divider does not fit the UP5K
             yield name, ("msn_cop", size | {"Pipelined": pipelined}, 3 + digits, targets)
 
 
-# One rubber sensor at 12 MHz, thresholds and times fixed when it is built, no counter read.
+# One rubber sensor at 12 MHz, with thresholds and times fixed at build time and the counters left open.
 SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
 MCP3208_PINS = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
 SMALLEST = SLIP1 | MCP3208_PINS | {"Serial": 1, "AdcPeriod": 1200}
@@ -99,7 +99,7 @@ SLIP1_TIED = {
 NO_STREAM = {"in_valid_i": 0, "in_data_i": 0, "in_ready_o": None}
 NO_PINS = {"adc_miso_i": 0}
 
-# Name: module, parameters, clocks of the latency quoted in ns (or None), targets, what is tied (or nothing).
+# Name: module, parameters, latency in clocks for the ns figure (or None), targets, tied ports (or nothing).
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
 TABLE = {
     "slip-1024": ("msn_channels", {"Channels": 1024}, 6, "ecp5 up5k"),
@@ -141,7 +141,7 @@ TABLE = {
         36,
         "ecp5",
     ),
-    # The small part's eight multipliers are of 16 bits: samples of 17 would take twelve.
+    # The UP5K's eight multipliers have 16 bits: samples of 17 bits would need twelve of them.
     "cop4": ("msn_cop4", {}, 17, "ecp5"),
     "cop4-13": ("msn_cop4", {"SampleBits": 13}, 17, "ecp5 up5k"),
     "cop_slip": ("msn_cop_slip", {}, 5, "ecp5 up5k"),
@@ -168,7 +168,7 @@ TABLE = {
 
 
 def revision_of(name, target):
-    """Eight digits that change with the RTL, the entry, the target's commands or the tools' versions."""
+    """Digest, eight digits, that changes with the RTL, the entry, the target's commands or tool versions."""
     module, parameters, clocks, _, *tied = TABLE[name]
     rtl = revision.digest(module.removeprefix("msn_"), "fmax")
     setting = repr((rtl, module, parameters, clocks, tied, TARGETS[target]))
@@ -176,7 +176,7 @@ def revision_of(name, target):
 
 
 def record(result, of):
-    """Put what ``measure`` returned, of revision ``of``, into constraints/fmax.json as it is by now."""
+    """Merge the result of ``measure``, for revision ``of``, into the current constraints/fmax.json."""
     kept = json.loads(RECORD.read_text()) if RECORD.exists() else {}
     rests = area.digest(
         result["module"], result["parameters"], result["target"]
@@ -187,7 +187,7 @@ def record(result, of):
 
 
 def ports(module, parameters, stem):
-    """The block's ports with these parameters, but outputs that are constant: [(name, direction, bits)]."""
+    """The block's ports with these parameters, without constant outputs: [(name, direction, bits)]."""
     netlist = f"{stem}.ports.json"
     script = f"{read_rtl()}; {chparam(module, parameters)}hierarchy -top {module}; proc; write_json {netlist}"
     yosys(script, f"{stem}.ports.log")
@@ -202,7 +202,7 @@ def ports(module, parameters, stem):
 
 def harness(module, parameters, tied, found):
     """Verilog text of the harness."""
-    # What is named in no connection is open.
+    # A port that no connection names is left open.
     free = [(n, direction, bits) for n, direction, bits in found if n != "clk_i" and n not in tied]
     inputs = [(n, bits) for n, direction, bits in free if direction == "input"]
     outputs = [(n, bits) for n, direction, bits in free if direction == "output"]
@@ -238,9 +238,9 @@ endmodule
 
 
 def own_area(netlist, target, source):
-    """What of a netlist's area is the harness's, of the file ``source``.
+    """The part of a netlist's area that belongs to the harness in the file ``source``.
 
-    Counted, not worked out from the ports: synthesis removes registers of outputs that prove constant only
+    It is counted, not computed from the ports: synthesis removes registers of outputs that turn out constant
     after flattening, and of inputs that the block does not read.
     """
     cells = netlist["modules"]["harness"]["cells"].values()
@@ -249,7 +249,7 @@ def own_area(netlist, target, source):
         return {"lut": len(own)}
     held = {c["connections"]["Q"][0] for c in own}
     next_of = {c["connections"]["DI"][0] for c in own}
-    folds = 0  # tables of one output's register and one fold's
+    folds = 0  # LUTs that combine an output's register with the previous fold's
     for c in cells:
         pins = c["connections"]
         inputs = [pins[pin][0] for pin in "ABCD"] if c["type"] == "LUT4" else []
@@ -349,7 +349,7 @@ def main():
     recording = Lock()
 
     def job(pair):
-        begin, of = time.monotonic(), revision_of(*pair)  # the RTL that is read, not what it has become
+        begin, of = time.monotonic(), revision_of(*pair)  # before the run: the RTL may change meanwhile
         result = measure(*pair, options.seeds)
         took = time.monotonic() - begin
         print(f"{pair[0]} {pair[1]}: {result['mhz_worst']} MHz, {took:.0f} s", file=sys.stderr, flush=True)

@@ -1,12 +1,12 @@
-"""Proofs of the blocks: `make formal`, and what they are worth: `make formal-mutants`.
+"""Prove the blocks' properties (`make formal`), and test the proofs with mutants (`make formal-mutants`).
 
-python tools/formal.py                   every proof at every shipped parameter set, two solvers
-python tools/formal.py fifo divide       those of blocks or proofs by name
-python tools/formal.py --quick           the quickest, at the defaults
-python tools/formal.py --record          and the results into docs/trust/formal.json
-python tools/formal.py --list            the proofs, their kind and their parameter sets
-python tools/formal.py --mutants 50      break each block so often: does its proof fail?
-python tools/formal.py --table           docs/formal.md's table, from docs/trust/formal.json
+python tools/formal.py                   every proof at every shipped parameter set, with two solvers
+python tools/formal.py fifo divide       the proofs of these blocks, or with these names
+python tools/formal.py --quick           the quickest proofs, at the default parameters
+python tools/formal.py --record          also record the results in docs/trust/formal.json
+python tools/formal.py --list            list the proofs, their kinds and parameter sets
+python tools/formal.py --mutants 50      break each block in 50 places and check that its proof fails
+python tools/formal.py --table           print docs/formal.md's table from docs/trust/formal.json
 """
 
 import argparse
@@ -25,7 +25,7 @@ def words(parameters):
 
 
 def line(result):
-    """One line of a Result, and one for each thing wrong."""
+    """One line for a Result, and one for each failure."""
     total, said = sum(result.seconds.values()), "FAILED" if result.wrong else "ok"
     head = f"{result.proof.name:16} {result.proof.kind:9} {said:6} {total:6.1f} s  "
     text = f"{head}{words(result.parameters)} ({', '.join(result.where)})"
@@ -33,7 +33,7 @@ def line(result):
 
 
 def chosen(names, quick):
-    """The proofs that ``names`` name, themselves or by their block, in that order; all without a name."""
+    """The proofs that ``names`` select, by proof or block name, in that order; all if there are no names."""
     table = formal.proofs()
     blocks = {proof.block for proof in table.values()}
     unknown = [name for name in names if name not in table and name not in blocks]
@@ -45,7 +45,7 @@ def chosen(names, quick):
 
 
 def joined(before, facts):
-    """A block's proofs: those that were recorded, and of each what came of it now."""
+    """A block's recorded proofs, updated with the new results."""
     listed, known = formal.proofs(), before.get("proofs", {})
     kept = {name: row for name, row in known.items() if name in listed}
     fresh = {name: kept.get(name, {}) | row for name, row in facts["proofs"].items()}
@@ -53,7 +53,7 @@ def joined(before, facts):
 
 
 def held(rows):
-    """Those of a block's proofs that have been run, and held."""
+    """The rows of proofs that were run and held."""
     return [row for row in rows if "sets" in row and not row["failed"]]
 
 
@@ -76,7 +76,7 @@ def total(entries):
 
 
 def keep(proof, row):
-    """Put what came of ``proof`` into docs/trust/formal.json."""
+    """Merge the result of ``proof`` into docs/trust/formal.json."""
     listed = {proof.block for proof in formal.proofs().values()}
     blocks = {proof.block: {"proofs": {proof.name: row}}}
     record.merge("formal", "make formal", blocks, summary, total, joined, listed)
@@ -99,7 +99,7 @@ def table():
 
 
 def run(proofs, jobs, quick, told):
-    """Prove all; ``told`` gets the result of each proof. Returns the exit code."""
+    """Run all proofs and pass each result to ``told``. Returns the exit code."""
     tasks = []
     for proof in proofs:
         sets = [({}, ["default"])] if quick else formal.sets(proof)
@@ -125,13 +125,13 @@ def run(proofs, jobs, quick, told):
 
 
 def cpu_seconds():
-    """Of all programs that were started and have ended."""
+    """CPU seconds of all child processes that have ended."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
 
 
 def run_mutants(proofs, count, jobs, told):
-    """Break each block ``count`` times under its proof; ``told`` gets the result.
+    """Break each block in ``count`` places under its proof and pass each result to ``told``.
 
     Returns the exit code.
     """

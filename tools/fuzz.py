@@ -1,11 +1,11 @@
-"""Feed every reader of lines and files with mutated and invented input: packet decoders, recordings,
+"""Fuzz every reader of lines and files with mutated and generated input: packet decoders, recordings,
 configurations, calibrations, logs.
 
     python tools/fuzz.py [--cases N] [--seed N] [--first N] [--record] [TARGET ...]     default: all
 
-A million cases to each decoder, as many to other readers as run in a minute or two. Prints a line per target.
-Stops with an error at the first case that crashes, hangs, gives a packet that was not sent, or is not refused
-in one sentence; `--first N --cases 1` repeats it. It starts at tb/corpus.
+Runs a million cases on each decoder, and on each other reader as many as take a minute or two. Prints a line
+per target. Stops with an error at the first case that crashes, hangs, yields a packet that was not sent, or
+is refused with anything but one sentence; `--first N --cases 1` repeats it. Seed inputs are in tb/corpus.
 """
 
 import argparse
@@ -30,7 +30,7 @@ def main():
         sys.exit(f"fuzz: there is no target {', '.join(unknown)}; there are {', '.join(targets)}")
     if given.cases is not None and given.cases < 1:
         sys.exit("fuzz: no case is no test")
-    warnings.simplefilter("ignore")  # numpy's, of odd headers
+    warnings.simplefilter("ignore")  # NumPy warns about odd headers
     for target in given.targets or targets:
         begin, how = time.monotonic(), ""
         cases = given.cases or fuzz.CASES.get(target, 1_000_000)

@@ -1,12 +1,12 @@
-"""Each board's netlist against its sources: the same codes at the converters' pins, the same bytes sent.
+"""Compare each board's netlist with its sources: both get the same ADC codes and must send the same bytes.
 
     python tools/gate.py                     every pair of a board and a configuration
-    python tools/gate.py icebreaker slip1    one
-    python tools/gate.py --scenes            every scene: twins, RTL and netlist (gate_scenes.py)
-    python tools/gate.py --scenes cop_slip   one
+    python tools/gate.py icebreaker slip1    one pair
+    python tools/gate.py --scenes            every scene on twins, RTL and netlist (gate_scenes.py)
+    python tools/gate.py --scenes cop_slip   one scene
 
-Twice: with noise, in which after a while an object presses and is shaken now and then, and with the scene
-that the configuration is for. Exit code 1 if a byte differs, or if none came.
+Each pair runs twice: with noise, in which an object later presses and is shaken now and then, and with the
+scene that the configuration is meant for. Exit code 1 if a byte differs, or if no byte is sent.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from meissner.engines.rtl_core import line
 from meissner.scenes.shown import codes_of
 from meissner.twins.link.decoder import Decoder
 
-# Of a configuration's scene: from which frame on, how many, and every how many-th (a press in a few of them).
+# The part of a configuration's scene: first frame, number of frames, stride (so that a few show a press).
 SCENES = {
     "slip1": (30_000, 9000, 1),
     "fingertip": (0, 400, 1),
@@ -34,7 +34,7 @@ SCENES = {
 
 
 def codes(board, name, seed=1):
-    """Raw codes [frames, channels] or [frames, rows, columns] that make a contact and slips."""
+    """Raw codes [frames, channels] or [frames, rows, columns] of a contact with slips."""
     config = board.config(name)
     rng = np.random.default_rng(seed)
     top = (1 << config.part.data_bits - config.part.signed) - 1
@@ -44,7 +44,7 @@ def codes(board, name, seed=1):
     t = np.arange(steps).reshape(steps, *(1 for _ in shape))
     free, held = (
         (0.1, 0.6) if array else (0.95, 0.63)
-    )  # of the range; a rubber's voltage falls, a taxel's rises
+    )  # as a share of the range; under load a rubber's voltage falls, a taxel's rises
     level = np.where(t < steps // 6, free, held) * top
     shaken = t // 40 % 4 == 3
     noise = rng.integers(-6, 7, (steps, *shape)) + shaken * rng.integers(-top // 10, top // 10, level.shape)
@@ -52,13 +52,13 @@ def codes(board, name, seed=1):
 
 
 def scene(board, name):
-    """Raw codes of the scene that shows what a configuration is for, in the parts that SCENES names."""
+    """Raw codes of the scene that a configuration is meant for, cut to the part in SCENES."""
     start, frames, every = SCENES[name]
     return codes_of(board.config(name))[start::every][:frames]
 
 
 def compare(board, name, shown):
-    """(what a pair's sources say, whether its netlist says the same) where the pins show these codes."""
+    """(bytes that a pair's sources send with these codes at the pins, whether its netlist sends the same)."""
     rtl, gate = (line(board, name, shown, gates) for gates in (False, True))
     return rtl, rtl == gate
 

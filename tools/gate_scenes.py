@@ -1,8 +1,8 @@
-"""Every scene on the twins, the Verilated RTL and its netlist: `python tools/gate.py --scenes`.
+"""Run every scene on the twins, the Verilated RTL and its netlist: `python tools/gate.py --scenes`.
 
-A scene runs on the engine `gate` as `meissner run` runs it; whatever it asks of the netlist, the RTL and the
-twins are asked too, with the same arguments. Of a scene with seeds the first one runs, in every condition and
-to its end; of a hand HAND_S alone, as two cores then advance clock by clock with the physics.
+A scene runs on the engine `gate` as in `meissner run`; each call to the netlist is repeated with the same
+arguments on the RTL and the twins. A scene with seeds runs its first seed in every condition, to the end. A
+scene of the hand runs HAND_S seconds only, since two cores then advance clock by clock with the physics.
 """
 
 import dataclasses
@@ -22,14 +22,14 @@ from meissner.engines.features import FEATURES
 from meissner.engines.stages import STAGES, function
 from meissner.scenes.hand import loop
 
-HAND_S = 3.0  # of each condition: its pour, its tugs, or what its release lets slip all begin in it
+HAND_S = 3.0  # of each condition: the pour, the tugs and the slips of a release all begin within it
 SOON = {"pour_start_s": 0.2, "hold_from_s": 0.2}
 TUGS = ((0.4, 0.4), (1.1, 0.3), (1.7, 0.05))  # start and length in seconds
-RELEASE = {"decay_mm_s": 0.2, "calm_decay_share": 0.5}  # of a scene that lets go ten times slower
+RELEASE = {"decay_mm_s": 0.2, "calm_decay_share": 0.5}  # for the scene that else lets go ten times slower
 
 
 def leaves(answer, name=""):
-    """{name: array} of whatever an engine gives: dataclass, dictionary, tuple or array."""
+    """{name: array} of an engine's result: dataclass, dictionary, tuple or array."""
     if dataclasses.is_dataclass(answer):
         parts = {field.name: getattr(answer, field.name) for field in dataclasses.fields(answer)}
     elif isinstance(answer, dict):
@@ -44,13 +44,13 @@ def leaves(answer, name=""):
 
 
 class Compared:
-    """What the engines were asked and answered. ``different``: {(stage, engine, result): how many values}."""
+    """Calls to the engines and their results. ``different``: {(stage, engine, result): number of values}."""
 
     def __init__(self):
         self.inputs, self.results, self.different = 0, 0, {}
 
     def note(self, stage, count, netlist, others):
-        """An answer of the netlist to ``count`` numbers, and those of {engine: answer} to the same."""
+        """Compare the netlist's result for ``count`` numbers with {engine: result} for the same numbers."""
         found = leaves(netlist)
         self.inputs += count
         self.results += sum(array.size for array in found.values())
@@ -67,14 +67,14 @@ class Compared:
                     self.different[key] = self.different.get(key, 0) + wrong
 
     def stage(self, name):
-        """An engine's function ``name`` that asks all three; the netlist's answer is what it gives."""
+        """The engine function ``name``, run on all three; it returns the netlist's result."""
         netlist, source, twin = (function(engine, name, None) for engine in ("gate", "rtl", "fixed"))
 
         def ask(x, *settings, waves=None):
-            assert waves is None  # only rtl has signals
+            assert waves is None  # only engine rtl records signals
             found = netlist(x, *settings)
             others = {"rtl": source(x, *settings)}
-            if name == "watch_pins":  # the twin has none: the same samples and motion
+            if name == "watch_pins":  # the twins have no such function; they get the same samples and motion
                 watched = fixed.watch(x.codes[None], *settings, x.moving)
                 others["fixed"], x = replace(found, watched=watched), x.codes
             else:
@@ -85,12 +85,12 @@ class Compared:
         return ask
 
     def hand(self, *arguments):
-        """A hand's core that is two in step: the netlist answers, and the source is compared with it."""
+        """A hand's core that steps netlist and RTL together; it compares them and returns the netlist's."""
         return _Pair(self, gate_core(*arguments), rtl_hand.Core(*arguments))
 
     @contextmanager
     def watching(self):
-        """Within it the engine ``gate`` compares."""
+        """A context in which the engine ``gate`` compares."""
         with ExitStack() as stack:
             for name in STAGES:
                 if name in FEATURES:
@@ -118,7 +118,7 @@ class _Pair:
 
 
 def stretch(scene):
-    """The part of a scene that is run: see the module's docstring."""
+    """The part of a scene that is run; see the module's docstring."""
     if scene.sensor == "hand":
         world = scene.world | SOON
         world["tugs"] = [(*when, newtons) for when, (_, _, newtons) in zip(TUGS, scene.world["tugs"])]
@@ -129,7 +129,7 @@ def stretch(scene):
 
 
 def compare(scene):
-    """``Compared`` of a scene, and the summary of its run."""
+    """The ``Compared`` of a scene, and the summary of its run."""
     compared = Compared()
     with compared.watching(), tempfile.TemporaryDirectory() as out:
         summary = runs.run(scene, "gate", out)

@@ -1,12 +1,12 @@
-"""A hand's scene over more seeds than `meissner run` draws: the table of its conditions.
+"""Run a hand's scene over more seeds than `meissner run` does, and print a row for each condition.
 
     python tools/grip.py grip_pour --runs 1000 --condition 0
     python tools/grip.py grip_release --first 1001 --set slip.threshold_share=0.007 step_mm=0.02
-    python tools/grip.py grip_pour --runs 1000 --record    into docs/grip.json, then the page
-    python tools/grip.py --page                            docs/grip_scenes.md from docs/grip.json
+    python tools/grip.py grip_pour --runs 1000 --record    record in docs/grip.json, then write the page
+    python tools/grip.py --page                            write docs/grip_scenes.md from docs/grip.json
 
-A condition is named by its number; without one, all are run. Settings are chosen on seeds 1001 on; what is
-recorded is of seeds 1 on.
+--condition takes a number; without it, all conditions run. Settings are chosen on seeds from 1001 on; records
+use seeds from 1 on.
 """
 
 import argparse
@@ -37,7 +37,7 @@ HEAD = (
 
 
 def rows(scene, runs, number, engine="fixed", first=1):
-    """The row of a condition, of seeds ``first`` on, again after each batch: the last is of all."""
+    """Yield the row of a condition after each batch of seeds from ``first`` on; the last row covers all."""
     condition, held = scene.conditions[number], []
     for at in range(first, first + runs, AT_ONCE):
         seeds = range(at, min(at + AT_ONCE, first + runs))
@@ -46,7 +46,7 @@ def rows(scene, runs, number, engine="fixed", first=1):
 
 
 def figures():
-    """The light figure of docs/results.md: the first condition of what is poured in, 20 seeds each."""
+    """The short form for docs/results.md: the first condition of both pouring scenes, 20 seeds each."""
     return {
         name: next(rows(scenes.load(name), LIGHT_RUNS, 0)) | {"condition": None}
         for name in ("grip_pour", "grip_water")
@@ -54,7 +54,7 @@ def figures():
 
 
 def changed(scene, settings):
-    """The scene with ``settings``, KEY=VALUE: of its conditions; with a dot of its slip or grip."""
+    """The scene with ``settings`` KEY=VALUE of its conditions, or with a dot, of its table slip or grip."""
     for key, _, value in (one.partition("=") for one in settings):
         name, _, inner = key.rpartition(".")
         if name:
@@ -66,12 +66,12 @@ def changed(scene, settings):
 
 
 def digest(name):
-    """What a scene's rows rest on."""
+    """The digest of what a scene's rows rest on."""
     return revision.of_files([*RESTS_ON, f"{MODEL}/scenes/hand/{name}.toml"], "scenes")
 
 
 def record(name, found, of):
-    """Keep ``found`` rows of a scene, of digest ``of``; of conditions with other names now nothing stays."""
+    """Record the rows ``found`` of a scene with digest ``of``; drop rows of conditions that are gone."""
     kept = json.loads(RECORD.read_text()) if RECORD.exists() else {}
     conditions = [condition.name for condition in scenes.load(name).conditions]
     own = {row["condition"]: row for row in kept.get(name, [])}
@@ -97,7 +97,7 @@ def cells(name, row):
 
 
 def page(text, kept):
-    """The page's ``text`` with its table as ``kept`` has it."""
+    """The page's ``text`` with its table filled from ``kept``."""
     before, _, rest = text.partition(HEAD)
     after = rest.partition("\n\n")[2]
     lines = [HEAD, "|" + "---|" * HEAD.count(" | ") + "---|"]
@@ -126,7 +126,7 @@ def main(arguments=None):
         found, of = [], digest(args.scene)
         for number in which:
             for row in rows(scene, args.runs, number, args.engine, args.first):
-                if args.record:  # a long run that ends early has recorded what it had
+                if args.record:  # after each batch, so that a long run that is interrupted keeps its rows
                     record(args.scene, [row], of)
             found.append(row)
         print("\n".join(table(found)))

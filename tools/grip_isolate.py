@@ -1,12 +1,12 @@
-"""Why a heavy, slippery glass falls in grip_release under a threshold in volts: one thing changed at a time.
+"""Why a heavy, slippery glass falls in grip_release with a threshold in volts: change one thing at a time.
 
-    python tools/grip_isolate.py                       all of them, 16 runs of 200 s each
+    python tools/grip_isolate.py                       all cases, 16 runs of 200 s each
     python tools/grip_isolate.py base felt075 --runs 20 --seconds 300
 
-The glass is that of seed 3, the first condition's: friction 0.52, 0.314 kg, at least 2.96 N. A run draws
-the patches of its contacts, its noise and the grip to begin with. Threshold 0.01 V and step 0.0125 N, unless
-changed. "felt": the sensor has the Vc of so many times the grip, and all mechanics stay; "mu", "mass": times
-the glass's.
+The glass is that of seed 3 in the first condition: friction 0.52, 0.314 kg, it needs at least 2.96 N. Each
+run draws the contacts' patches, the noise and the initial grip. Threshold 0.01 V and step 0.0125 N unless
+changed. "felt" multiplies the grip that sets the sensor's Vc and leaves the mechanics unchanged; "mu" and
+"mass" multiply the glass's friction and mass.
 """
 
 import argparse

@@ -1,11 +1,11 @@
-"""What the reflex gains from the shear's speed: grip_disturb with msn_shear_speed's twin in the loop.
+"""Measure what the reflex gains from the shear speed: grip_disturb with msn_shear_speed's twin in the loop.
 
     python tools/grip_speed.py --runs 20 --gain 0 70 210
 
-The estimator's twin hears the same codes as the slip path. Its speeds, in 1/4096 mm/s, go to the reflex
-before the windows of a cycle; ``in_hold_i`` is high while the hand closes and for one cycle after, since a
-larger grip lowers Vc as the end of a shear does. --no-hold leaves that out. `speed_gain` = 70 would follow a
-pull: at 0.1 mm/s, 1.2 N/s a finger, it adds 0.011 N a window.
+The estimator's twin gets the same codes as the slip path. The reflex gets its speeds, in 1/4096 mm/s, before
+the windows of a cycle. ``in_hold_i`` is high while the hand closes and for one cycle after, since a larger
+grip lowers Vc like the end of a shear; --no-hold leaves that out. `speed_gain` = 70 would follow a pull: at
+0.1 mm/s, 1.2 N/s a finger, it adds 0.011 N a window.
 """
 
 import argparse
@@ -21,8 +21,8 @@ from meissner.scenes.results import table
 from meissner.twins.actuate.grip import SPEED_BITS, Grip
 from meissner.twins.slip.shear_speed import SMALL, UNSETTLED, ShearSettings, ShearSize, ShearSpeed
 
-VI_MIN_V = 1.0  # published: 2, with which none of the windows has a speed here (Vc is near 1.9 V)
-SPEED_FRACTION = 12  # of the reflex's 16 bits; the estimator's are cut to them
+VI_MIN_V = 1.0  # published: 2, but then no window has a speed here (Vc is near 1.9 V)
+SPEED_FRACTION = 12  # of the reflex's 16 bits; the estimator's speeds are truncated to them
 
 
 def parts_of(scene, gain, holds):

@@ -10,7 +10,7 @@ from meissner import run, scenes
 
 
 def figures():
-    """Clocks between the shortest and the longest, over all frames and all decisions of the scene."""
+    """Clocks between the shortest and longest interval, over all frames and all decisions of the scene."""
     with tempfile.TemporaryDirectory() as out:
         pins = run.run(scenes.load("acrylic_slip"), "rtl", Path(out))["pins"]
     return {key: pins[key] for key in ("convert_jitter_clocks", "decision_jitter_clocks")}

@@ -1,5 +1,6 @@
-"""Lint everything, without a warning: by Verilator and by slang each RTL module as its own top, the core in
-every named configuration and on every board; Verible's style rules, ruff; what only Yosys reads otherwise."""
+"""Lint everything; no warning is allowed. Verilator and slang read each RTL module as its own top, and the
+core in every named configuration and on every board; then come Verible's style rules, ruff, and a check for
+casts that Yosys alone reads differently."""
 
 import re
 import subprocess
@@ -14,11 +15,11 @@ ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
 CELLS = "tb/lint/cells.v"
 WAIVERS = ROOT / "rtl/verilator.vlt"
-# Without a waiver.
+# No waivers.
 SLANG = [sys.executable, str(ROOT / "tools/slang.py"), "-Werror"]
 # Models of the vendors' cells that rtl/ecp5 uses.
 MODELS = ["model/meissner/engines/cells/MULT18X18D.v"]
-# Yosys takes the operator into the size, (~Bits)'(1), without a word where the rest is constant.
+# Yosys reads ~Bits'(1) as (~Bits)'(1), without a warning if the rest is constant.
 CAST = re.compile(r"[~!&|^+-](?!signed'|unsigned')\w+'\(")
 PYTHON = ("model", "tb", "tools", "examples")
 
@@ -30,7 +31,7 @@ def run(name, command):
 
 
 def casts(text):
-    """Numbers of the lines in which an operator stands right before a size's cast, comments aside."""
+    """Numbers of the lines with an operator directly before a size cast, comments ignored."""
     lines = enumerate(text.splitlines(), start=1)
     return [number for number, line in lines if CAST.search(line.split("//")[0])]
 

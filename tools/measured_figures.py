@@ -1,10 +1,10 @@
-"""Measure one figure of docs/results.md in a process of its own; print its summary and the files it rests on.
+"""Measure one figure of docs/results.md in its own process; print its summary and the files it rests on.
 
     python tools/measured_figures.py normal_force     a scene, on engine fixed
     python tools/measured_figures.py soak             an entry of TOOLS
 
-The files: every Python module of the repository that was imported, every other file of model/ that was read,
-and the RTL below the module that ran.
+These files are every Python module of the repository that was imported, every other file in model/ that was
+read, and the RTL of the top module that ran, with all modules below it.
 """
 
 import importlib
@@ -14,9 +14,9 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-TIMES = ("seconds_taken", "samples_per_second", "saved")  # of this machine
-SAVED = "model/meissner/scenes/saved.json"  # what ``saved`` is read from
-# Figure: the module of tools/ whose function ``figures`` measures it, and the RTL's top that runs in it.
+TIMES = ("seconds_taken", "samples_per_second", "saved")  # depend on the machine
+SAVED = "model/meissner/scenes/saved.json"  # the source of ``saved``
+# Figure: the module in tools/ whose function ``figures`` measures it, and the RTL top that it runs.
 TOOLS = {
     "constants": ("constants", None),
     "grip": ("grip", None),
@@ -43,7 +43,7 @@ def scene(name):
 
 
 def rests_on(top):
-    """Files of the repository, as sorted names; not what says only what is stale, nor ``SAVED``."""
+    """Files of the repository, as sorted names; not tools/verify/, which only tracks staleness, nor SAVED."""
     from meissner.builds import toolchain
 
     modules = {Path(path) for m in list(sys.modules.values()) if (path := getattr(m, "__file__", None))}

@@ -2,8 +2,8 @@
 
     python tools/mesh_figures.py [correction] [cross] [limits] [timings] [few] [--large]
 
-Without a name: the first three, which are reproducible to the digit. Timings depend on the machine; --large
-adds sparse LU to 1024×1024 (4 GB) and 1024×1024 with every taxel loaded (a minute).
+Default: the first three, which are reproducible to the digit. Timings depend on the machine; --large adds
+sparse LU at 1024×1024 (4 GB), and 1024×1024 with every taxel loaded (a minute).
 """
 
 import argparse
@@ -75,7 +75,7 @@ def correct():
 
 
 def cross():
-    """Mean load error when the touch is not the kind that the correction was fitted for."""
+    """Mean load error for kinds of touch that the correction was not fitted for."""
     mesh, rows = Mesh(41, 41, 150.0), []
     checks = [mesh_loads.MeshScene(mesh, mesh_loads.touches(41, 41, kind, 2, 20.0)) for kind in KINDS]
     rows.append(("none", *(f"{100 * errors(check)[1].mean():.0f}" for check in checks)))
@@ -86,7 +86,7 @@ def cross():
 
 
 def moments(mesh, load):
-    """The six numbers between the four wires: s' M^-1 s with s = 1, x, y; [scenes, 6], siemens."""
+    """The six conductances between the four wires: s' M^-1 s with s = 1, x, y; [scenes, 6], siemens."""
     row, column = (np.nonzero(load)[axis].reshape(len(load), -1) for axis in (1, 2))
     resistance = mesh.k / load[load > 0].reshape(row.shape)
     x = column * 2 / (mesh.n - 1) - 1
@@ -97,7 +97,7 @@ def moments(mesh, load):
 
 
 def limits():
-    """What any function of the four wires could reach for six equal points at 150 Ω and 20 N."""
+    """The best that any function of the four wires can achieve for six equal points at 150 Ω and 20 N."""
     mesh, count = Mesh(41, 41, 150.0), 200_000
     rng = np.random.default_rng(11)
     totals = rng.uniform(14, 28, count)
@@ -183,7 +183,7 @@ def timings(large):
 
 
 def touch(side):
-    """Seconds a frame that six contacts touch, of {what}; the best of 300, and of reading without solving."""
+    """{what: seconds per frame with six contacts}, the best of 300; also for reading without solving."""
     mesh = Mesh(side, side, 10.0)
     frames = np.concatenate([mesh_loads.random_points(side, side, 6, [5.0], seed) for seed in range(16)])
     touches = [(*np.nonzero(frame), frame[np.nonzero(frame)]) for frame in frames]
@@ -210,13 +210,13 @@ def touch(side):
     times = {}
     for name, call in calls.items():
         for _ in range(32):
-            call()  # what is kept is there
+            call()  # fills the caches
         times[name] = best(call, 300)
     return times
 
 
 def few():
-    """What a frame costs that six contacts touch: its side must not matter, only its own bytes."""
+    """Time of a frame with six contacts: it must not depend on the side, only on the frame's own bytes."""
     small, large = touch(64), touch(1024)
     rows = [
         (
@@ -233,8 +233,8 @@ def few():
 def figures():
     """The two solvers on 1,000 scenes of six contacts: largest relative difference, ratios of time.
 
-    The difference is of the four voltages, the position (of its range, 2) and the load; the times are the
-    processor's best of several, one sparse LU solve against one fast solve and against one of a batch.
+    The difference covers the four voltages, the position (relative to its range, 2) and the load. The times
+    are the best CPU times of several: a sparse LU solve against a fast solve, alone and in a batch.
     """
     mesh = Mesh(41, 41, 10.0)
     load = mesh_loads.cop_six_random(10.0, 5.0, 1000).load

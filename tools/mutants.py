@@ -1,13 +1,12 @@
-"""Mutants of every block against the block's own tests: killed, shown equivalent, or survived with its line.
+"""Run each block's own tests on mutants of the block: killed, shown equivalent, or survived (with its line).
 
     python tools/mutants.py                  every block of rtl/rtl.f
     python tools/mutants.py haar divide      only these
     python tools/mutants.py --source haar    only mutants of the source text; --cells: of the netlist's cells
-    python tools/mutants.py --seed 4 5 6     others than those of the record
-    python tools/mutants.py --record         and merge the results into docs/trust/mutants.json and
-                                             docs/mutants.md
+    python tools/mutants.py --seed 4 5 6     other mutants than those of the record
+    python tools/mutants.py --record         put the results into docs/trust/mutants.json and docs/mutants.md
 
-Exit code 1 if a block kills less than it must of the mutants that are not equivalent, if the tests fail on an
+Exit code 1 if the tests of a block kill too few of the mutants that are not equivalent, if they fail on the
 unchanged block, or if nothing ran. `build/mutants/<block>-<set>/` keeps the netlist of each parameter set.
 """
 
@@ -25,27 +24,27 @@ from verify import benches, equivalence, evidence, mutants_page, mutate, record,
 
 PAGE = ROOT / "docs/mutants.md"
 MARK = "<!-- written by make mutants: from here to the end -->\n"
-LEAST = 0.95  # to kill of those that are not equivalent; all where the tests state ``whole``
-SETS = 4  # parameter sets of a block, evenly out of its tests' list
-POWERUPS = 8  # for counters, whose upper bits are ones or zeros otherwise
+LEAST = 0.95  # share of the non-equivalent mutants to kill; all of them where the tests state ``whole``
+SETS = 4  # parameter sets of a block, evenly spread over its tests' list
+POWERUPS = 8  # for counters, whose upper bits otherwise start as all ones or all zeros
 COUNTS = "counts_over_the_whole_width"  # the test of bench.turn_over
-FEWEST_A_SET = 25  # mutants; fewer sets if fewer are wanted
-FEWEST, MOST = 100, 200  # mutants of a ``whole`` block; between them one for each line of its source
-OTHERS = 25  # of another block: all of them in three hours of a processor
-SOURCE, SOURCE_SETS = 24, 2  # mutants of a block's source, over so many sets
+FEWEST_A_SET = 25  # mutants per set; with fewer mutants, fewer sets
+FEWEST, MOST = 100, 200  # limits for a ``whole`` block, which gets one mutant per line of its source
+OTHERS = 25  # mutants of any other block; all blocks together take three CPU hours
+SOURCE, SOURCE_SETS = 24, 2  # mutants of a block's source, and the number of sets they share
 SEEDS = [1, 2, 3]
-JUDGED = ROOT / "tb/verify/equivalent.toml"  # by hand
+JUDGED = ROOT / "tb/verify/equivalent.toml"  # mutants judged by hand
 
 
 def parameter_sets(block, wanted=SETS, chosen=()):
-    """The runs of the block's tests, those of equal parameters together; the ones to try first in front.
+    """The runs of the block's tests, grouped by equal parameters, the groups to try first at the front.
 
-    ``wanted``: how many sets; few leave out the smallest blocks, with which the tests' lists begin.
-    ``chosen``: places in the list of the tests, in place of these.
+    ``wanted``: number of sets; few leave out the smallest sizes, with which the tests' lists begin.
+    ``chosen``: positions in the tests' list, which replace this choice.
     """
     groups = {}
     for run in benches.runs(block):
-        if not run["sources"] and run["block"] == block:  # other sources: not this block's
+        if not run["sources"] and run["block"] == block:  # runs with other sources test something else
             groups.setdefault(json.dumps(run["parameters"]), []).append(run)
     groups = list(groups.values())
     if chosen:
@@ -56,7 +55,7 @@ def parameter_sets(block, wanted=SETS, chosen=()):
 
 
 def size_of(block):
-    """How many mutants a block gets."""
+    """The number of mutants that a block gets."""
     if not evidence.of(block, "mutants").get("whole"):
         return OTHERS
     lines = mutate.source_of(block).read_text().count("\n")
@@ -64,8 +63,8 @@ def size_of(block):
 
 
 def one_set(runs, number, count, options, kind=mutate):
-    """Mutants of one parameter set, judged; of how many; and the seconds that the tests take on the unchanged
-    block. ``kind``: the module that makes them, mutate or source_netlist."""
+    """(judged mutants of one parameter set, how many exist, seconds that the tests take on the unchanged
+    block). ``kind``: the module that makes the mutants, mutate or source_netlist."""
     block = runs[0]["block"]
     folder = f"build/mutants/{block}-{number}"
     mutants, known = kind.netlist(runs[0], count, options.seed, folder)
@@ -88,7 +87,7 @@ def one_set(runs, number, count, options, kind=mutate):
 
 
 def by_hand(mutants, block):
-    """Those that a person has shown to change nothing are equivalent, while the line is as it was."""
+    """Mark mutants as equivalent that a person has shown to be so, if their source line is unchanged."""
     judged = tomllib.loads(JUDGED.read_text())["mutant"]
     same = {(row["text"], row["change"]) for row in judged if row["block"] == block}
     lines = mutate.source_of(block).read_text().splitlines()
@@ -99,7 +98,7 @@ def by_hand(mutants, block):
 
 
 def fitted(options, block, default):
-    """``options`` for ``block``: what its tests state, where the command line leaves the ``default``."""
+    """``options`` for ``block``: its tests' values replace those that the user left at their ``default``."""
     stated = {
         key: value
         for key, value in evidence.of(block, "mutants").items()
@@ -109,7 +108,7 @@ def fitted(options, block, default):
 
 
 def one_block(block, options):
-    """The block's entry of docs/trust/mutants.json: of its cells, and under "source" of its text."""
+    """The block's entry of docs/trust/mutants.json: mutants of its cells, and under "source" of its text."""
     found = {"of": record.digest(block, "mutants")}
     if options.cells:
         count = options.samples or size_of(block)
@@ -121,7 +120,7 @@ def one_block(block, options):
 
 
 def one_kind(block, options, kind, count, wanted):
-    """Mutants that the module ``kind`` makes of a block, over ``wanted`` of its sets."""
+    """The results of mutants that the module ``kind`` makes of a block, over ``wanted`` of its sets."""
     began = time.monotonic()
     wanted = len(options.sets) or wanted
     groups = parameter_sets(block, wanted, options.sets)
@@ -137,7 +136,7 @@ def one_kind(block, options, kind, count, wanted):
         except simulate.TooSlow:
             slow.append(runs[0]["parameters"])
             continue
-        if not judged:  # nothing but wires
+        if not judged:  # the block consists of wires only
             continue
         mutants += judged
         known += there
@@ -177,7 +176,7 @@ def good(block, found):
 
 
 def write(block, found):
-    """Merge the results of a block into the record, and write the page's table from it."""
+    """Merge the results of a block into the record and rewrite the page's table."""
     own = {block: found}, mutants_page.summary, mutants_page.total
     path = record.merge("mutants", "make mutants", *own, join=dict.__or__, listed=benches.blocks())
     prose = PAGE.read_text().split(MARK)[0]
@@ -185,7 +184,7 @@ def write(block, found):
 
 
 def told(name, part):
-    """What is printed of a block and a kind."""
+    """The line printed for a block and a kind of mutants."""
     row = {k: part[k] for k in ("there", "mutants", "killed", "equivalent", "seconds")}
     print(f"{name}: {row}, survived {len(part['survived'])}, {100 * part['score']:.1f} %", flush=True)
 

@@ -1,11 +1,11 @@
-"""How far a board's LUTs depend on the order in which ABC gets the gates: the same gates in other orders.
+"""Measure how far a board's LUT count depends on the order in which ABC gets the gates.
 
     python tools/orders.py ulx3s slip1                        20 orders
-    python tools/orders.py ulx3s slip1 --synth synth_ecp5     with another command in place of the board's
+    python tools/orders.py ulx3s slip1 --synth synth_ecp5     with another synthesis command than the board's
     python tools/orders.py ulx3s cop4 --orders 5
 
-Yosys makes the gates once. Each order is a shuffle of the top's cells, by a seed, and ABC maps it. Only the
-mapping changes, so two revisions differ in area only if their ranges of LUTs do. For boards with an ECP5.
+Yosys makes the gates once. For each order the top's cells are shuffled with a seed and mapped by ABC. Only
+the mapping changes, so two revisions differ in area only if their LUT ranges differ. For boards with an ECP5.
 """
 
 import argparse
@@ -22,7 +22,7 @@ CELLS = "read_verilog -lib -specify +/lattice/cells_sim_ecp5.v +/lattice/cells_b
 
 
 def parts(text):
-    """(what stands before the cells, cells, what stands behind) of the RTLIL ``text`` of one module."""
+    """(text before the cells, cells, text after them) of the RTLIL ``text`` of one module."""
     lines = text.splitlines(keepends=True)
     begin = next(n for n, line in enumerate(lines) if line.startswith("module "))
     head, cells, tail, held = lines[: begin + 1], [], [], []
@@ -41,7 +41,7 @@ def parts(text):
 
 
 def gates(board, config, synth, folder):
-    """The top of that board before ABC, as RTLIL."""
+    """The board's top as it is passed to ABC, as RTLIL."""
     boards.write_board(folder, board, config)
     sources = f"{' '.join(board.sources)} {folder}/{board.top}.sv"
     script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {sources}; "
@@ -52,7 +52,7 @@ def gates(board, config, synth, folder):
 
 
 def luts(text, board, synth, folder):
-    """(LUT4, AND gates that ABC got) of the RTLIL ``text``."""
+    """(LUT4 count, AND gates that ABC got) for the RTLIL ``text``."""
     (ROOT / folder / "order.il").write_text(text, "utf-8")
     script = f"{CELLS}; read_rtlil {folder}/order.il; {synth} -run map_luts:check -top {board.top}; "
     said = yosys(f"{script}blackbox =A:whitebox; write_json {folder}/order.json", f"{folder}/order.log")

@@ -1,12 +1,12 @@
-"""The pages of docs/papers: each paper's figures and tables beside ours, from records; stale ones say so.
+"""Write the pages of docs/papers from records: each paper's figures and tables beside ours; mark stale ones.
 
-    python tools/papers.py                     which pages are stale
+    python tools/papers.py                     list the stale pages
     python tools/papers.py --record [NAME...]  compute and draw them, into docs/papers/NAME.json and .png
-    python tools/papers.py --page              the pages from what is recorded
+    python tools/papers.py --page              write the pages from the records
 
-A page is a module of tools/published with ``TITLE``; ``HEAD``, its first paragraphs; ``compute()``, a list of
-``Row`` and ``Table``, in the page's order; and ``draw(folder)``, which writes pictures there and returns
-[(file name, caption)], or nothing if the page has none.
+A page is a module of tools/published with ``TITLE``; ``HEAD``, its first paragraphs; ``compute()``, which
+gives a list of ``Row`` and ``Table`` in the page's order; and optionally ``draw(folder)``, which writes
+pictures there and returns [(file name, caption)].
 """
 
 import argparse
@@ -71,7 +71,7 @@ def load(name):
 
 
 def compute(name):
-    """What a page shows, and the files it rests on; pictures go into docs/papers at once."""
+    """The contents of a page and the files it rests on; its pictures are written into docs/papers."""
     import measured_figures
 
     sys.addaudithook(measured_figures.watch)
@@ -86,7 +86,7 @@ def compute(name):
 
 
 def record(names):
-    """Each in a process of its own, so that it rests on its own modules alone."""
+    """Record each page in its own process, so that it rests only on its own modules."""
     for name in names:
         environment = os.environ | {"PYTHONPATH": str(toolchain.ROOT / "tools")}
         subprocess.run([sys.executable, __file__, "--alone", name], check=True, env=environment)

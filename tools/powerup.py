@@ -1,10 +1,10 @@
-"""Power-up: the blocks' own tests with registers that start with random values.
+"""Run the blocks' own tests with registers that power up with random values.
 
     python tools/powerup.py [--seeds 20] [--jobs 2] [--record] [BLOCK ...]
 
-Each block is started ``--seeds`` times, each time with other values, the seeds shared out among the builds of
-its tests (tb/runner.py, ``powerups``). A register that needs a reset and has none makes a test fail. Exits 1
-then, or if a block has no test that simulates it.
+Each block starts ``--seeds`` times, each time with other values; the builds of its tests share the seeds
+(tb/runner.py, ``powerups``). A register that needs a reset and has none makes a test fail. Exits 1 if a test
+fails, or if a block has no test that simulates it.
 """
 
 import argparse
@@ -21,11 +21,11 @@ ROOT = toolchain.ROOT
 
 
 def builds(path):
-    """The tests of a file that simulate its block."""
+    """The tests in a file that simulate its block."""
     text = path.read_text()
     bodies = re.split(r"^def ", text, flags=re.M)[1:]
     functions = [body.split("(")[0] for body in bodies if "bench.run(" in body and body.startswith("test_")]
-    # pyproject.toml has a -q, which lists one name a line; a second one would leave their count alone.
+    # pyproject.toml sets -q, which lists one name per line; a second -q would print only their count.
     command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "--collect-only"]
     command += ["-m", "not long and not big"]
     done = subprocess.run([*command, str(path)], cwd=ROOT, capture_output=True, text=True)

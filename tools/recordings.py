@@ -1,10 +1,10 @@
-"""False alarms on real recordings of holding without slip: the tables of docs/recordings.md, as Markdown.
+"""Print the tables of docs/recordings.md as Markdown: false alarms on real recordings of a hold without slip.
 
     python tools/recordings.py
 
-The recordings (docs/recordings.md says whose) are looked for in $MEISSNER_DATA or ../shared/data; without
-them, one sentence and exit code 2. Every number of the core's comes from the rtl engine; the fixed engine
-runs too, and one array that differs stops the run.
+The recordings (docs/recordings.md names their source) are read from $MEISSNER_DATA or ../shared/data;
+without them the command prints one sentence and exits with code 2. Every figure of the core comes from the
+rtl engine; the fixed engine runs too, and any difference stops the run.
 """
 
 import math
@@ -24,15 +24,15 @@ RATE = 2200  # samples per second
 WINDOW = 64
 LEVELS = (1, 2, 3)
 THRESHOLDS = (2, 3, 4, 6, 8, 12, 16, 23, 32, 40, 64)
-# The hold, in seconds from the start and to the end of a recording. Before it the gripper closes: every
-# recording has settled by then (settled_at; a test holds it to that). After it, four recordings of two grasps
-# shoot up in both fingers in their last 5 ms, perhaps the robot's next step, cut off.
+# The hold: it begins HOLD seconds after the start and ends AFTER seconds before the end of a recording. The
+# gripper closes before it, and every recording has settled when it begins (settled_at; a test checks it). In
+# their last 5 ms, four recordings of two grasps rise sharply in both fingers, perhaps the robot's next step.
 HOLD, AFTER = 0.6, 0.05
 
 
 @dataclass(frozen=True)
 class Watch:
-    """One measure on one recording: where each window starts, its p2p, by threshold whether it is over."""
+    """One measure on one recording: each window's start and p2p, and {threshold: whether it is exceeded}."""
 
     samples: int
     start: np.ndarray
@@ -40,7 +40,7 @@ class Watch:
     over: dict
 
     def holding(self):
-        """Only the windows that lie wholly in the hold."""
+        """Only the windows that lie entirely in the hold."""
         last = self.samples - AFTER * RATE - WINDOW
         keep = (self.start >= HOLD * RATE) & (self.start <= last)
         over = {t: over[keep] for t, over in self.over.items()}
@@ -48,7 +48,7 @@ class Watch:
 
 
 def find(name):
-    """Path of recorded data, which the project does not contain: in $MEISSNER_DATA, or ../shared/data."""
+    """Path of recorded data in $MEISSNER_DATA or ../shared/data; the project does not contain them."""
     folder = os.environ.get("MEISSNER_DATA")
     path = (Path(folder) if folder else ROOT.parent / "shared/data") / name
     if not path.is_file():
@@ -58,13 +58,13 @@ def find(name):
 
 
 def read():
-    """Name: codes [samples], in the order of the file."""
+    """{name: codes [samples]}, in the order of the file."""
     with np.load(find(NAME)) as recordings:
         return {name: recordings[name].astype(np.int64) for name in recordings.files}
 
 
 def settled_at(x):
-    """Second at which the mean of 20 ms first reaches the level of the hold, the median from 1 s on."""
+    """Time in seconds when the mean of 20 ms first reaches the hold's level, the median from 1 s on."""
     span = RATE // 50
     sums = np.cumsum(np.concatenate([[0], x]))
     means = (sums[span:] - sums[:-span]) / span
@@ -72,18 +72,18 @@ def settled_at(x):
 
 
 def scaled(threshold, level):
-    """The threshold for a detail that noise of equal power makes sqrt(2) larger with each level."""
+    """The threshold for a level: white noise makes the detail sqrt(2) larger with each level."""
     return math.isqrt(threshold**2 << (level - 1))
 
 
 def stack(recordings):
-    """All as the channels of one core, each level built once; short ones repeat their last code."""
+    """All as the channels of one core, so that a level is built once; short ones repeat their last code."""
     longest = max(map(len, recordings.values()))
     return np.stack([np.pad(x, (0, longest - len(x)), mode="edge") for x in recordings.values()])
 
 
 def watch_haar(recordings, level):
-    """Name: Watch, by the rtl engine."""
+    """{name: Watch}, by the rtl engine."""
     x = stack(recordings)
     over = {}
     for threshold in THRESHOLDS:
@@ -96,14 +96,14 @@ def watch_haar(recordings, level):
     start = result["window_end"] - (WINDOW - 1)
     watched = {}
     for i, (name, codes) in enumerate(recordings.items()):
-        count = np.searchsorted(result["window_end"], len(codes))  # no window reaches past the recording
+        count = np.searchsorted(result["window_end"], len(codes))  # windows within the recording
         cut = {t: slip[i, :count] for t, slip in over.items()}
         watched[name] = Watch(len(codes), start[:count], result["p2p"][i, :count], cut)
     return watched
 
 
 def watch_raw(recordings):
-    """Name: Watch, by the plain peak-to-peak of the codes over the same windows as level 1."""
+    """{name: Watch}, by the plain peak-to-peak of the codes over the same windows as level 1."""
     watched = {}
     for name, x in recordings.items():
         windows = np.lib.stride_tricks.sliding_window_view(x, WINDOW)[::2]
@@ -113,7 +113,7 @@ def watch_raw(recordings):
 
 
 def measure(recordings):
-    """Everything the report needs: measure: name: Watch."""
+    """Everything the report needs: {measure: {name: Watch}}."""
     return {f"Haar {level}": watch_haar(recordings, level) for level in LEVELS} | {
         "plain": watch_raw(recordings)
     }
@@ -125,7 +125,7 @@ def alarming(watched, threshold):
 
 
 def alarms(watched, threshold):
-    """How often p2p goes above the threshold, in all recordings together."""
+    """How often p2p rises above the threshold, in all recordings together."""
     return sum(int((np.diff(w.over[threshold].astype(int), prepend=0) > 0).sum()) for w in watched.values())
 
 
@@ -220,7 +220,7 @@ def report(recordings, measured):
 
 
 def figures(threshold=23):
-    """Recordings that raise an alarm in the hold at README's threshold: level 1, and the plain measure."""
+    """Recordings with an alarm in the hold at README's threshold, for level 1 and for the plain measure."""
     recordings = read()
     counts = {
         name: alarming({n: w.holding() for n, w in found.items()}, threshold)

@@ -1,4 +1,4 @@
-"""The tables of docs/references.md: what each twin is checked against, as the tests of its block state it.
+"""The tables of docs/references.md: the reference of each twin, as the tests of its block state it.
 
 EVIDENCE["reference"] of tb/<stage>/test_<block>.py is one of
 
@@ -15,7 +15,7 @@ from meissner.builds import toolchain
 from verify import benches, evidence
 
 PAGE = toolchain.ROOT / "docs/references.md"
-# Twins that are no block's own.
+# Twins that belong to no single block.
 OTHERS = {
     "core.py": {"joins": "all of a build"},
     "link/decoder.py": {
@@ -30,7 +30,7 @@ TOPS = ("core", "axis")  # their twin is core.py
 
 
 def stated():
-    """{twin: entry} of every twin; ValueError, a sentence, if a block's tests do not say."""
+    """{twin: entry} of every twin; ValueError with one sentence if a block's tests do not state it."""
     found = dict(OTHERS)
     for block in benches.blocks():
         if block not in TOPS:
@@ -43,7 +43,7 @@ def stated():
 
 
 def page(before):
-    """The text of docs/references.md with these tables in place of those that it has."""
+    """The text of docs/references.md with its tables replaced by these."""
     rows = {"against": [], "moves": [], "joins": []}
     for twin, entry in sorted(stated().items()):
         kind = next(kind for kind in rows if kind in entry)

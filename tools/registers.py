@@ -1,4 +1,4 @@
-"""Write what follows from rtl/registers.rdl: RTL, Python map, C header and page. ``--check`` only compares.
+"""Generate the RTL, Python map, C header and page of rtl/registers.rdl. ``--check`` only compares them.
 
 rtl/link/msn_registers_pkg.sv   rtl/link/msn_registers.sv   model/meissner/twins/link/register_map.py
 host/msn_registers.h            docs/registers.md                 tb/formal/registers_map.svh
@@ -16,28 +16,28 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCE = "rtl/registers.rdl"
 MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make registers`."
 
-# What a build may have fewer bits for than the map: core.widths, and the map's bits.
+# The fields that a build may make narrower than in the map: names in core.widths, and the map's bits.
 HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}
 
 
-OWN = ("features", "width")  # kinds of fields that follow from the module's parameters
-KEYWORDS = {"force", "override"}  # of SystemVerilog, C++: a member of that name gets a "_"
+OWN = ("features", "width")  # kinds of fields whose value follows from the module's parameters
+KEYWORDS = {"force", "override"}  # of SystemVerilog and C++: a member with such a name gets a "_"
 
 
 @dataclass(frozen=True)
 class Field:
-    """``kind``: setting (written by the host), status (by the core), constant, command (a pulse), or of the
-    module's own parameters: features (of the groups), width (of what fields are held to)."""
+    """``kind``: setting (written by the host), status (by the core), constant, command (a pulse), or from the
+    module's parameters: features (which groups exist), width (the bits that fields are saturated to)."""
 
     name: str
-    port: str  # its group's, its register's and its own name
-    member: str  # of its group's struct
+    port: str  # the names of its group, its register and itself
+    member: str  # its name in the group's struct
     high: int
     low: int
     kind: str
     reset: int
     signed: bool = False
-    held_to: str = ""  # of HELD
+    held_to: str = ""  # a key of HELD
 
     @property
     def width(self):
@@ -45,7 +45,7 @@ class Field:
 
     @property
     def parameter(self):
-        """Bits that the build has for it."""
+        """The parameter for the bits that the build gives the field."""
         return f"{self.held_to.capitalize()}Bits" if self.held_to else str(self.width)
 
 
@@ -55,7 +55,7 @@ class Register:
     address: int
     text: str
     fields: tuple
-    strobe: bool  # a pulse _written goes with it
+    strobe: bool  # each write gives a pulse _written
 
     @property
     def writable(self):
@@ -114,7 +114,7 @@ def read():
         compiler.compile_file(str(ROOT / SOURCE))
         top = compiler.elaborate().top
     except RDLCompileError:
-        sys.exit(1)  # the compiler has said what and where
+        sys.exit(1)  # the compiler has printed the error
     groups = []
     for group in top.children():
         registers = []
@@ -146,7 +146,7 @@ def settings(groups):
 
 
 def _structs(groups):
-    """{"cfg": [(group, [(member, bits)])], "status": ...}: what the core gets, and what it gives."""
+    """{"cfg": [(group, [(member, bits)])], "status": ...}: the core's settings and its status outputs."""
     made = {"cfg": [], "status": []}
     for group in groups:
         cfg, status = [], []
@@ -163,7 +163,7 @@ def _structs(groups):
 
 
 def package(groups):
-    """Structs of settings and status, and the width and the default of msn_registers' parameter Resets."""
+    """The package: structs of settings and status, width and default of msn_registers' parameter Resets."""
     width, value = 0, 0
     for _, bits, reset in settings(groups):
         value |= reset << width
@@ -181,7 +181,7 @@ def package(groups):
 
 
 def rtl(groups):
-    """The module: decode, a process per group (its settings, twice where they wait), a read word."""
+    """The module: decoder, a process per group (settings, in two registers if a change waits), read word."""
     parameters, body, words, hits, writable, waiting = [], [], [], [], [], []
     places, at = {}, 0
     for port, width, _ in settings(groups):
@@ -249,18 +249,18 @@ def rtl(groups):
 
 
 def _own(field):
-    """The module's parameter that a field reads as."""
+    """The module's parameter that a field returns when read."""
     return "Features" if field.kind == "features" else f"{field.name.capitalize()}Bits"
 
 
 def _features(groups):
-    """A bit for each group that may be absent."""
+    """One bit for each group that may be absent."""
     names = [group.parameter for group in groups if group.feature]
     return [f"  localparam logic [{len(names) - 1}:0] Features = {{{', '.join(reversed(names))}}};", ""]
 
 
 class Process:
-    """The flip-flops of a group, written by one process; ``places``: where a setting's reset value is."""
+    """The flip-flops of a group, written by one process; ``places``: positions of the reset values."""
 
     def __init__(self, group, places):
         self.group, self.places = group, places
@@ -271,7 +271,7 @@ class Process:
         self.resets.append(f"{name} <= 1'b0;")
 
     def field(self, field, base):
-        """Flip-flops of one field; returns what a read sees."""
+        """Add the flip-flops of one field; return the expression that a read returns."""
         member, width = f"{self.group.name}.{field.member}", field.width
         slice_ = f"[{field.high}:{field.low}]" if width > 1 else f"[{field.low}]"
         if field.kind == "constant":
@@ -330,10 +330,10 @@ class Process:
 
 
 def _fit(field, value):
-    """``value`` held at the ends of the bits that the build has for the field."""
+    """``value`` saturated to the bits that the build has for the field."""
     bits, width, top = field.parameter, field.width, field.width - 1
     if not field.signed:
-        # A bit more: shifting by the whole width would be out of range where the build has every bit.
+        # One bit more: a shift by the full width would be out of range in a build with all bits.
         return f"({{1'b0, {value}}} >> {bits}) == '0 ? {value} : {width}'({{{bits}{{1'b1}}}})"
     beyond, sign = f"{value}[{top}:{bits}-1]", f"{value}[{top}]"
     ends = f"{{{{({width + 1}-{bits}){{{sign}}}}}, {{({bits}-1){{!{sign}}}}}}}"
@@ -521,7 +521,7 @@ def page(groups):
 
 
 def proof(groups):
-    """What tb/formal/registers.sv takes from here: each field, its word, its bits and its member."""
+    """The map for tb/formal/registers.sv: each field with its word, its bits and its member."""
     lines, index, place, waiting = [], 0, 0, []
     for group in groups:
         on = group.parameter if group.feature else "1'b1"

@@ -1,11 +1,11 @@
-"""Blocks in random legal sizes, each with random stimulus several times, against their own tests.
+"""Run blocks in random legal sizes, each with several seeds of random stimulus, against their own tests.
 
     python tools/regress.py [SEEDS] [--seed N] [--jobs N] [--scheduler ADDRESS] [--record] [BLOCK ...]
     python tools/regress.py --seed N --only BLOCK NAME=VALUE ...        one size again, as a failure prints it
 
-SEEDS: runs in all, 200 by default, a seed each; a random size gets STIMULI of them. A failure is made as
-small as it can be and reported with the command that repeats it. With --scheduler Dask's workers there do the
-work, in the same folder.
+SEEDS: the total number of runs, 200 by default, one seed each; a random size gets STIMULI of them. A failure
+is reduced to the smallest size that still fails and reported with the command that repeats it. With
+--scheduler the workers of that Dask scheduler do the runs, in the same folder.
 """
 
 import argparse
@@ -24,7 +24,7 @@ def one(block, given, seed):
 
 
 def spread(given):
-    """Pieces of work: block, [(size, seeds of its stimulus)]; small enough that every worker gets some."""
+    """Pieces of work: (block, [(size, stimulus seeds)]), small enough that every worker gets some."""
     names = given.blocks or regress.blocks()
     share = [given.runs // len(names) + (n < given.runs % len(names)) for n in range(len(names))]
     pieces = []

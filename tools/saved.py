@@ -1,12 +1,13 @@
-"""What every scene saves beside everything on (docs/scenes.md): model/meissner/scenes/saved.json.
+"""The time that each scene saves against a run with everything on (docs/scenes.md), recorded in
+model/meissner/scenes/saved.json.
 
-    python tools/saved.py                             which rows are stale or absent
-    python tools/saved.py --page                      the table of docs/scenes.md from the record
-    python tools/saved.py --record ENGINE [ROW...]    measures rows, those that are stale if none is named
+    python tools/saved.py                             list the rows that are stale or absent
+    python tools/saved.py --page                      write the table of docs/scenes.md from the record
+    python tools/saved.py --record ENGINE [ROW...]    measure these rows; the stale ones if none is named
 
-A row is a scene, or a part of everything on (``full: cop_slip``, ``full: core: full``). Each is measured in a
-process of its own, as ``meissner run SCENE --engine E --full`` does, and kept at once with a digest of what
-it rests on: what was imported and read, and the RTL that ran. ENGINE: fixed or rtl, which builds its cores.
+A row is a scene, or a part of everything on (``full: cop_slip``, ``full: core: full``). Each row is measured
+in its own process, like ``meissner run SCENE --engine E --full``, and recorded immediately with a digest of
+the files it rests on: those imported and read, and the RTL that ran. ENGINE: fixed, or rtl (builds cores).
 """
 
 import argparse
@@ -42,18 +43,18 @@ def load():
 
 
 def place(row):
-    """Where its engine's record has a row: (part, name)."""
+    """The place of a row in its engine's record: (part, name)."""
     return ("full", row.removeprefix(FULL)) if row.startswith(FULL) else ("scenes", row)
 
 
 def entry(told, engine, row):
-    """What is recorded of a row, or None."""
+    """The recorded entry of a row, or None."""
     part, name = place(row)
     return told.get(engine, {}).get(part, {}).get(name)
 
 
 def own(row):
-    """Files that a row does not share with its sensor's others."""
+    """Files that a row does not share with other rows of its sensor."""
     name = row.removeprefix(FULL)
     if name == CORE:
         return []
@@ -66,7 +67,7 @@ def digest(told, row, shared):
 
 
 def stale(told, engine, row):
-    """Is what was recorded of another revision, or nothing recorded?"""
+    """Whether a row's record is of another revision or missing."""
     found = entry(told, engine, row)
     return not found or not found.get("of") or found["of"] != digest(told, row, found["rests_on"])
 
@@ -90,7 +91,7 @@ def one(engine, row):
 
 
 def record(engine, row):
-    """Measure a row in another process and keep it."""
+    """Measure a row in another process and record it."""
     command = [sys.executable, __file__, "--one", engine, row]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     found = json.loads(done.stdout.splitlines()[-1])
@@ -113,7 +114,7 @@ def number(value):
 
 
 def cells(told, row, everything):
-    """The cells of a row on each engine, marked where they are stale."""
+    """The cells of a row for each engine, marked where they are stale."""
     found = []
     for engine in ENGINES:
         kept = entry(told, engine, row)
@@ -125,7 +126,7 @@ def cells(told, row, everything):
 
 
 def table(told):
-    """Markdown: everything on, then each scene, beside the sum of the parts of everything on."""
+    """Markdown table: everything on, then each scene and its ratio to everything on."""
     everything, head = {}, ["everything on"]
     for engine in ENGINES:
         every = [row for row in rows() if row.startswith(FULL)]
@@ -138,7 +139,7 @@ def table(told):
 
 
 def page(text, told):
-    """docs/scenes.md with its table of the record."""
+    """docs/scenes.md with its table from the record."""
     found = re.subn(re.escape(TABLE) + r"(\|.*\n)+", lambda _: table(told), text)
     if found[1] != 1:
         raise ValueError(f"{PAGE.name} has {found[1]} tables of what scenes save, must have one")

@@ -1,10 +1,10 @@
-"""What msn_shear_speed resolves: table bits against error, one LSB of a converter, latency on the rubber.
+"""The resolution of msn_shear_speed: error by table bits, effect of one converter LSB, latency on the rubber.
 
-    python tools/shear_speed.py                    the three tables of docs/shear_speed.md, as Markdown
-    python tools/shear_speed.py --plot FILE        what one LSB allows, over Vi, as a picture too
-    python tools/shear_speed.py --area [BITS ...]  LUTs and Fmax by table bits alone: one seed, ECP5 (minutes)
+    python tools/shear_speed.py                    print the three tables of docs/shear_speed.md, as Markdown
+    python tools/shear_speed.py --plot FILE        also plot the effect of one LSB over Vi
+    python tools/shear_speed.py --area [BITS ...]  only LUTs and Fmax by table bits: one seed, ECP5 (minutes)
 
-All without noise. The rubber is meissner.physics.rubber's, whose Vc rises as 1 - exp(-3 x / 0.01 mm).
+All without noise. The rubber is that of meissner.physics.rubber; its Vc rises as 1 - exp(-3 x / 0.01 mm).
 """
 
 import argparse
@@ -17,16 +17,16 @@ from meissner.tradeoff.axes.shear import worst as error
 from meissner.twins.slip.shear_speed import RISING, ShearSettings, ShearSize, ShearSpeed
 
 MCP3208 = 4096 / 5
-CLOCKS = 58  # of msn_shear_speed, whatever the tables: tb/slip/test_shear_speed.py counts them
+CLOCKS = 58  # latency of msn_shear_speed with any tables; tb/slip/test_shear_speed.py counts them
 
 
 def precision():
-    """Rows of the table of precisions: table bits, ROM bits, errors in per cent, bound."""
+    """Rows of the precision table: table bits, ROM bits, errors in per cent, bound."""
     for table_bits, fraction_bits in PRECISIONS.items():
         size = size_of(table_bits, fraction_bits)
         word = 2 * fraction_bits - table_bits + 5
         by_registers, true, most = error(size)
-        half = 0.5 / (1 << size.speed_fraction) / 0.01  # an lsb of the output, at the lowest speed
+        half = 0.5 / (1 << size.speed_fraction) / 0.01  # output LSB at the lowest speed
         yield (
             table_bits,
             fraction_bits,
@@ -38,13 +38,13 @@ def precision():
 
 
 def one_lsb(vi, v=1.0, per_v=MCP3208):
-    """Per cent of v that one code more in the rise makes: 1 / (n dV), dV in codes."""
+    """Change of v in per cent for one more code in the rise: 1 / (n dV), dV in codes."""
     rise = rubber.shear_gain(vi) * v**0.11 * per_v
     return 100 * ((1 + 1 / rise) ** (1 / 0.11) - 1)
 
 
 def plot(path):
-    """One code of converters of 10 to 16 bits over Vi, at 1 mm/s, and of 12 bits at the ends of the range."""
+    """Plot the effect of one code over Vi: 10 to 16 bits at 1 mm/s, and 12 bits at the ends of the range."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6, 3.6), layout="constrained")
@@ -61,7 +61,7 @@ def plot(path):
 
 
 def latency(vi, v, travel=0.01, size=None):
-    """(s until the first speed, the worst error in per cent while the shear lasts) after 0.5 s of rest."""
+    """(seconds to the first speed, worst error in per cent during the shear), after 0.5 s of rest."""
     size = size or ShearSize()
     settings = ShearSettings.of(PER_V, RATE_HZ, size, travel=travel)
     length = max(0.06 / v, 0.06)
@@ -75,7 +75,7 @@ def latency(vi, v, travel=0.01, size=None):
 
 
 def area(tables, widths):
-    """Rows of LUTs, registers, multipliers and MHz on ECP5 with one seed; ``widths``: of samples."""
+    """Rows of LUTs, registers, multipliers and MHz on ECP5 with one seed; ``widths``: sample bits."""
     import fmax
 
     (fmax.ROOT / fmax.OUT).mkdir(parents=True, exist_ok=True)

@@ -1,6 +1,6 @@
-"""slang on SystemVerilog, as strict as other vendors' tools: python tools/slang.py ARGUMENTS OF SLANG.
+"""Run slang on SystemVerilog, as strict as other vendors' tools: python tools/slang.py ARGUMENTS OF SLANG.
 
-PyPI has slang as a Python module only. Prints what it finds; the exit code is 1 if that is anything.
+PyPI offers slang only as a Python module. Prints the findings; the exit code is 1 if there are any.
 """
 
 import sys
@@ -11,7 +11,7 @@ from pyslang.driver import Driver
 def main():
     driver = Driver()
     driver.addStandardArgs()
-    # slang splits the line again: each argument is quoted, as a sized constant has a quote of its own.
+    # slang splits the joined line again: quote each argument, since sized constants contain a quote.
     if not driver.parseCommandLine(" ".join(f'"{argument}"' for argument in ("slang", *sys.argv[1:]))):
         return 2
     fine = driver.processOptions() and driver.parseAllSources() and driver.runFullCompilation(True)

@@ -1,9 +1,9 @@
-"""What disturbs grip_slip, and where it ends: the table of docs/slip.md, as Markdown.
+"""Disturbances of grip_slip and the sizes at which it fails: the table of docs/slip.md, as Markdown.
 
-    python tools/slip_disturb.py [SEEDS]      of each size, 30 unless given
+    python tools/slip_disturb.py [SEEDS]      seeds for each size, 30 by default
 
-The plain condition with one disturbance of one size, on the fixed engine's twins. ``missed``: runs without a
-rise of the flag between the first event and the slip; ``false alarms``: rises before the first event;
+The plain condition with one disturbance of one size, on the fixed engine's twins. ``missed``: runs in which
+the flag does not rise between the first event and the slip; ``false alarms``: rises before the first event;
 ``wrong``: runs with either. ``least lead``: from the flag to the slip.
 """
 

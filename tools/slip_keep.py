@@ -1,13 +1,13 @@
-"""What keeps the slip flag up while an object slides: the table of docs/slip.md, as Markdown.
+"""How keep threshold and hold affect the slip flag while an object slides: docs/slip.md's table, as Markdown.
 
-    python tools/slip_keep.py [SEEDS]      of each condition, 20 unless given
+    python tools/slip_keep.py [SEEDS]      seeds for each condition, 20 by default
 
-Every condition and seed of the scenes with a slip, on the fixed engine's twins, by the keep threshold as a
-share of the threshold, and the hold. ``contact while sliding``: share of the time from the slip of the whole
-contact to the end of the run in which the state is not incipient or gross, of all runs, and of the condition
-with the most. ``release``: the sliding stops at the end of the run and the rubber rests as it then is, with
-the converter's noise; from the stop to the fall of the flag, of the runs that end with a flag. False alarms:
-with those of normal_force.
+Every condition and seed of the scenes with a slip, on the fixed engine's twins, by the keep threshold (as a
+share of the threshold) and the hold. ``contact while sliding``: the share of the time from the slip of the
+whole contact to the end of the run in which the state is neither incipient nor gross, over all runs and for
+the worst condition. ``release``: the sliding stops at the end of the run and the rubber stays as it then is,
+with the converter's noise; the time from the stop to the fall of the flag, over the runs that end with the
+flag up. False alarms include those of normal_force.
 """
 
 import sys
@@ -25,11 +25,11 @@ SCENES = ("acrylic_slip", "slip_forces", "slip_materials", "normal_force")
 SHARES = (1.0, 0.75, 0.5, 0.25)
 HOLDS_S = (0.05, 0.1, 0.15, 0.2, 0.5, 1.0)
 REST_S = 1.2
-END_S = 0.02  # of the run: the median of its volts is where the rubber rests
+END_S = 0.02  # last part of the run; the rubber then rests at its median voltage
 
 
 class Run:
-    """One recording with a rest behind it, up to what the states are decided from."""
+    """One recording followed by a rest, processed up to the peak-to-peak values."""
 
     def __init__(self, recording):
         self.recording, self.config = recording, recording.scene.slip_config()
@@ -37,7 +37,7 @@ class Run:
         at_rest = np.full(round(REST_S * rate_hz), np.median(recording.volts[-round(END_S * rate_hz) :]))
         rest, _ = adc.convert(at_rest, np.random.default_rng([recording.seed, 1]))
         group = 1 << self.config.level
-        self.details = len(recording.codes) // group  # of the recording; its rest begins behind them
+        self.details = len(recording.codes) // group  # of the recording, before the rest
         self.detail_s = group / rate_hz
         codes = np.concatenate([recording.codes[: self.details * group], rest])[None]
         detail, self.total = haar(codes, self.config.level)
@@ -45,7 +45,7 @@ class Run:
         self.p2p, _ = PeakToPeak(1, span, hop).process(detail)
 
     def measure(self, share, hold_s):
-        """(verdict, seconds from the stop to the fall of the flag; None if none is up)."""
+        """(verdict, seconds from the stop to the fall of the flag, or None if it is not up)."""
         config = replace(
             self.config,
             keep_threshold=int(self.config.threshold * share),

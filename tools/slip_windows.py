@@ -1,7 +1,7 @@
-"""Speed against accuracy of the kinds of window: onset-to-flag delay of the slip scenes, as Markdown.
+"""Speed and accuracy of the kinds of window: onset-to-flag delay of the slip scenes, as Markdown.
 
 Every condition and seed of the scenes with a slip, and of normal_force for false alarms, on the fixed
-engine. What each kind costs in clocks, memory and Fmax: ``make fmax``.
+engine. ``make fmax`` measures the clocks, memory and Fmax of each kind.
 """
 
 from dataclasses import replace

@@ -1,8 +1,8 @@
-"""Slip events through the Verilated link at full image load: how many were lost.
+"""Send slip events through the Verilated link at full image load and count the lost ones.
 
     python tools/soak_link.py [EVENTS] [SEED]
 
-Images are offered without a pause, CoP frames every thousand clocks, events in bursts that fill their queue;
+Images are offered back to back, CoP frames every thousand clocks, and events in bursts that fill their queue;
 a bit lasts four clocks. The portable C decoder reads the line.
 """
 
@@ -18,13 +18,13 @@ NAMES = ("events", "lost", "wrong", "images", "cops", "clocks", "held")
 
 
 class Soak(ctypes.Structure):
-    """``images``, ``cops``: packets of them; ``held``: clocks in which an event waited for room."""
+    """``images``, ``cops``: numbers of packets; ``held``: clocks in which an event waited for room."""
 
     _fields_ = tuple((name, ctypes.c_int64) for name in NAMES)
 
 
 def soak(events, mean=1000, burst=100, seed=1):
-    """Soak of so many events, ``mean`` clocks between two on the average, up to ``burst`` together."""
+    """A soak with so many events, on average ``mean`` clocks apart, in bursts of up to ``burst``."""
     parameters = {"ClkHz": CLK_HZ, "BaudHz": BAUD_HZ, "Taxels": TAXELS, "SlipDepth": DEPTH, "Health": 0}
     lib = ctypes.CDLL(str(verilated.library("msn_link", "soak_driver.cpp", parameters)))
     number = ctypes.c_int32
@@ -44,7 +44,7 @@ def soak(events, mean=1000, burst=100, seed=1):
 
 
 def figures():
-    """What the soak of README counts; the seed is the default."""
+    """The counts of README's soak, with the default seed."""
     found = soak(1_000_000)
     return {name: getattr(found, name) for name in NAMES}
 

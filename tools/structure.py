@@ -1,7 +1,7 @@
-"""The package's layers and who imports whom: docs/structure.png.
+"""The package's layers and the imports between them: docs/structure.png.
 
-python tools/structure.py             numbers of imports between layers
-python tools/structure.py --page      the picture too
+python tools/structure.py             print the number of imports between layers
+python tools/structure.py --page      also draw the picture
 """
 
 import argparse
@@ -12,7 +12,7 @@ from functools import cache
 from meissner.builds.toolchain import ROOT
 
 MODEL = ROOT / "model"
-# From the lowest: each imports its own and those before it. A name is a module or all below a package.
+# From the lowest layer up: each imports only from itself and lower layers. A name is a module or a package.
 LAYERS = [
     *("names", "plain", "interval", "check", "files", "builds.kept", "builds.objcache", "builds.toolchain"),
     *("twins", "physics", "calibration", "second_order", "fit_rubber"),
@@ -34,14 +34,14 @@ def modules():
 
 
 def layer(module):
-    """Place in LAYERS of a module, by the longest name that it is or is below; None without one."""
+    """A module's index in LAYERS, by the longest name that matches it or a parent; None if none matches."""
     fits = [name for name in LAYERS if module == name or module.startswith(f"{name}.")]
     return LAYERS.index(max(fits, key=len)) if fits else None
 
 
 @cache
 def imports():
-    """{module: set of the modules that it imports}, those inside its functions among them."""
+    """{module: set of the modules that it imports}, including imports inside functions."""
     known, found = modules(), {}
     for module, path in known.items():
         found[module] = set()
@@ -57,7 +57,7 @@ def imports():
 
 
 def between():
-    """Counter of imports between layers, (from, to) by name."""
+    """Counter of imports between layers, by the names (from, to)."""
     return Counter(
         (LAYERS[layer(module)], LAYERS[layer(other)])
         for module, others in imports().items()
@@ -67,7 +67,7 @@ def between():
 
 
 def draw(path):
-    """The layers from the lowest up; a line for what is imported, as wide as there are imports."""
+    """Draw the layers from the lowest up, and a line for each pair, as wide as the number of imports."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -1,16 +1,16 @@
-"""Bitstream, resources and Fmax of a board with a configuration, from PyPI tools alone.
+"""Build the bitstream of a board and a configuration, with its resources and Fmax, from PyPI tools alone.
 
     python tools/synth.py ulx3s                    its first configuration
     python tools/synth.py icebreaker slip1         into build/synth/icebreaker-slip1/
-    python tools/synth.py ulx3s mine.toml          a configuration of yours (docs/config.md)
+    python tools/synth.py ulx3s mine.toml          your own configuration (docs/config.md)
     python tools/synth.py ulx3s slip1 --device 85F  for a board with another device, into ulx3s-slip1-85F/
-    python tools/synth.py ulx3s mine.toml --pins   only its pins
-    python tools/synth.py --list                   every pair there is
+    python tools/synth.py ulx3s mine.toml --pins   only list its pins
+    python tools/synth.py --list                   list all pairs
     python tools/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
-    python tools/synth.py --check [BOARD CONFIG]   the same, held against that file
-    python tools/synth.py --macros arty_a7 CONFIG   only what Vivado reads: macros, top, constraints
+    python tools/synth.py --check [BOARD CONFIG]   the same, but compare with that file
+    python tools/synth.py --macros arty_a7 CONFIG   only write Vivado's input: macros, top, constraints
 
-A bitstream comes from the first seed that meets the clock; resources.json has the worst of three. It is an
+The bitstream is that of the first seed that meets the clock; resources.json has the worst of three. It is an
 error if no seed meets the clock, if a design does not fit, and in a check if anything grew by more than 3 %.
 """
 
@@ -33,7 +33,7 @@ PAGE = ROOT / "docs/boards.md"
 
 
 def compare(name, before, now):
-    """Sentences: what of ``now`` is worse than resources.json says, by more than GROWTH."""
+    """A sentence for each figure of ``now`` that is worse than in resources.json by more than GROWTH."""
     if before is None:
         return [f"{name} is not in {RESOURCES.relative_to(ROOT)}; `make resources` writes it"]
     said = [
@@ -48,9 +48,9 @@ def compare(name, before, now):
 
 
 def missing(recorded):
-    """Sentences: the pairs that ``recorded`` does not have, and those it should not have.
+    """A sentence for each pair that ``recorded`` lacks or should not have.
 
-    Every board with every named configuration is there: with its figures, or with why it has none.
+    It must have every board with every named configuration: with its figures, or the reason for having none.
     """
     where = RESOURCES.relative_to(ROOT)
     said = []
@@ -73,12 +73,12 @@ def missing(recorded):
 
 
 def left_out(board, config):
-    """What resources.json says of a pair that is not offered."""
+    """The entry of resources.json for a pair that is not offered."""
     return {"left_out": board.left_out.get(config)}
 
 
 def half_bit(board, config):
-    """ns from the edge that launches a bit to where it is taken, and the converter's own ns of these."""
+    """(ns from the edge that launches a bit to its sampling edge, the converter's share of these ns)."""
     found = board.config(config)
     part, clk_khz = found.part, found.clk_khz
     clocks = 2 * AdcSpi(part, 1, 1, clk_khz, found.adc["sclk_khz"]).half
@@ -123,7 +123,7 @@ def tables(recorded):
 
 
 def write_tables(recorded):
-    """The tables into their page, in place of the ones there."""
+    """Replace the tables in their page."""
     text = PAGE.read_text()
     for table in tables(recorded):
         before, _, after = text.partition(table.partition("\n")[0])
@@ -133,7 +133,7 @@ def write_tables(recorded):
 
 
 def write(found):
-    """``found`` into constraints/resources.json as it is by now, and why boards do not have the others."""
+    """Merge ``found`` into the current constraints/resources.json, with the reasons for pairs not offered."""
     kept = (json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}) | found
     for board in boards.BOARDS.values():
         kept |= {f"{board.name}-{name}": left_out(board, name) for name in board.left_out}
@@ -182,7 +182,7 @@ def print_list():
 
 
 def chosen(options):
-    """Pairs that are to be built, each with its Plan; ValueError of a sentence before anything is written."""
+    """The pairs to build, each with its Plan; ValueError with one sentence before anything is written."""
     whole = options.record or options.check
     if options.macros and options.board == boards.ARTY.name:
         pairs = [(boards.ARTY, options.config or "slip1")]
@@ -202,7 +202,7 @@ def chosen(options):
 
 
 def make(board, config, plan, options):
-    """One bitstream, with its pin map beside it."""
+    """Build one bitstream and write its pin map next to it."""
     name = "-".join(filter(None, [board.name, boards.label(config), options.device]))
     begin = time.monotonic()
     known = board.device(config)
@@ -215,7 +215,7 @@ def make(board, config, plan, options):
 
 
 def measure(pairs, options):
-    """Every pair with every seed, recorded or held against what is recorded; sentences of what is wrong."""
+    """Run every pair with every seed, and record or check it; returns a sentence for each error."""
     kept = json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}
     problems = missing(kept) if options.check and options.board is None else []
     for board, config, _ in pairs:

@@ -1,4 +1,4 @@
-"""rtl/common/msn_{log2,exp2}_pkg.sv: the tables of msn_log2 and msn_exp2, from their twins' integers.
+"""Generate rtl/common/msn_{log2,exp2}_pkg.sv, the tables of msn_log2 and msn_exp2, from their twins.
 
 python tools/tables.py           print the packages
 python tools/tables.py --write   write them
@@ -33,7 +33,7 @@ endpackage
 
 
 def package(name, formula, entries):
-    """The text of a package; the last entry first, six to a line."""
+    """The text of a package; the last entry first, six per line."""
     words = [f"{WIDTH}'h{entry:08x}" for entry in reversed(entries)]
     lines = [", ".join(words[at : at + 6]) for at in range(0, len(words), 6)]
     body = ",\n".join(f"    {line}" for line in lines)
@@ -41,7 +41,7 @@ def package(name, formula, entries):
 
 
 def packages():
-    """{path: text} of both."""
+    """{path: text} of both packages."""
     texts = {
         "log2": package("log2", "log2(1 + i/256)", log2.finest()),
         "exp2": package("exp2", "2^(i/256) - 1", exp2.finest()),

@@ -1,4 +1,4 @@
-"""docs/tradeoff.md, its pictures and what `meissner choose` starts from, of a sweep that has run.
+"""Write docs/tradeoff.md, its pictures and the record that `meissner choose` reads, from a finished sweep.
 
 meissner tradeoff --out results/tradeoff         the sweep: about a quarter of an hour on two idle cores
 python tools/tradeoff_page.py results/tradeoff        the page, docs/tradeoff/*.png and the package's record
@@ -16,19 +16,20 @@ from meissner.tradeoff import page, sweep, table
 from meissner.tradeoff.command import RECORD
 
 PAGE, PICTURES = ROOT / "docs/tradeoff.md", ROOT / "docs/tradeoff"
-ROWS = 14  # of a table of the page
+ROWS = 14  # per table of the page
 BEGIN = "<!-- from here on written by tools/tradeoff_page.py -->"
 
 
 def cells(axis, rows):
-    """The page's rows of an axis: the front and what ships, thinned out evenly to ROWS."""
+    """(rows of an axis for the page, their number before thinning out): the front, evenly thinned out to
+    ROWS, and the shipped point."""
     found = page.table(axis, rows, command=False)
     every = -(-len(found) // ROWS) if axis.judged else 1
     return [row for at, row in enumerate(found) if at % every == 0 or row.get("ships")], len(found)
 
 
 def markdown(rows):
-    """Rows of words as a table."""
+    """Rows of {column: value} as a Markdown table."""
     keys = list(rows[0])
     text = lambda value: {True: "yes", False: "**no**", None: "–"}.get(value, str(value))
     lines = [f"| {' | '.join(keys)} |", f"|{'---|' * len(keys)}"]
@@ -42,15 +43,15 @@ def section(axis, rows, quick):
     parts = [
         f"## {axis.title}",
         f"{again}: {page.verdict(axis, rows)}.",
-        f"![{axis.title}: every point, the front and what ships](tradeoff/{axis.name}.png)",
-        f"{told}What all rows have alike is left out.",
+        f"![{axis.title}: every point, the front and the shipped point](tradeoff/{axis.name}.png)",
+        f"{told}Columns with one value in all rows are left out.",
         markdown(shown),
     ]
     return "\n\n".join(parts)
 
 
 def record(results):
-    """What `meissner choose` needs: of each axis the front and what ships."""
+    """The record for `meissner choose`: the front and the shipped point of each axis."""
     kept = {}
     for name, entry in results.items():
         points = [row for row in entry["points"] if row["front"] or row["shipped"]]

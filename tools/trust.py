@@ -1,14 +1,14 @@
-"""All the evidence, one command: run each kind again, then write docs/trust.md and README's line.
+"""Run all kinds of evidence again, then write docs/trust.md and README's paragraph about them.
 
     python tools/trust.py              every kind (hours), each recorded in docs/trust/<kind>.json
     python tools/trust.py faults       some kinds
-    python tools/trust.py --due        only blocks that have none or stale ones, those that were changed first
-                                       and for 15 minutes [--minutes 90]; what is left is shown
-    python tools/trust.py --due --list only a list of these, with the seconds of a processor that they took
-    python tools/trust.py --page       only the pages, from what is recorded
+    python tools/trust.py --due        only blocks whose evidence is missing or stale, changed blocks first,
+                                       for 15 minutes [--minutes 90]; prints how many runs are left
+    python tools/trust.py --due --list only list these runs, with the CPU seconds that they took last time
+    python tools/trust.py --page       only write the pages from the records
 
-Each kind has tools of its own that take --record. Exit code 1 if one of them failed. What was recorded before
-what it rests on changed (RTL, tests, twin, harness, exclusions, tools) is shown as stale.
+Each kind has its own tools, which take --record. Exit code 1 if one of them failed. Evidence is shown as
+stale if what it rests on (RTL, tests, twin, harness, exclusions, tools) has changed since its record.
 """
 
 import argparse
@@ -20,14 +20,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from meissner.builds import toolchain
-from verify import benches, evidence, faults, formal, fuzz, mutants_page, record, regress
+from verify import benches, evidence, faults, formal, fuzz, mutants_page, readme, record, regress
 from verify import due as due_of
 
 ROOT = toolchain.ROOT
 PAGE = ROOT / "docs/trust.md"
 README = ROOT / "README.md"
-MARK = "Evidence: "  # how README's line begins
-KINDS = {  # of the table's columns; the others are lines below it
+MARK = "Evidence: "  # the beginning of README's paragraph
+KINDS = {  # {kind: its name}; a kind without a name has no column in the table of blocks
     "formal": "proofs",
     "mutants": "mutants",
     "coverage": "coverage",
@@ -40,13 +40,13 @@ KINDS = {  # of the table's columns; the others are lines below it
 
 
 class Step(NamedTuple):
-    """A tool's run for a kind."""
+    """One run of a tool for a kind of evidence."""
 
     kind: str
     command: str  # in tools/; RUNS stands for 50 runs of each block
-    blocks: Callable[[], list[str]]  # whose evidence it is; of fuzz: the readers
-    jobs: bool = True  # does it take --jobs?
-    done: Callable[[dict], bool] = bool  # is it in a block's facts?
+    blocks: Callable[[], list[str]]  # the blocks that it gives evidence for; for fuzz, the readers
+    jobs: bool = True  # whether it takes --jobs
+    done: Callable[[dict], bool] = bool  # whether a block's facts contain its result
 
 
 def proven():
@@ -54,7 +54,7 @@ def proven():
 
 
 def broken(facts):
-    """Have all proofs of these facts been tried on mutants?"""
+    """Whether all proofs in these facts have been tried on mutants."""
     return all("mutants" in row for row in facts.get("proofs", {}).values())
 
 
@@ -70,37 +70,42 @@ STEPS = (
     Step("fuzz", "fuzz.py", lambda: [*fuzz.TARGETS, fuzz.C_NAME], jobs=False),
 )
 STALE = "stale"
-MINUTES = 15  # of --due
-WRITERS = {  # {kind: the module whose ``total`` it is}, if not a tool of the kind's name
+MINUTES = 15  # default of --due --minutes
+WRITERS = {  # {kind: the module with its ``total``}, if that is not the tool with the kind's name
     **{"mutants": "verify.mutants_page", "coverage": "cover", "faults": "verify.faults"},
     **{"regress": "verify.regress", "fuzz": "verify.fuzz"},
 }
-LINE = ("formal", "mutants", "coverage", "equivalence")  # the kinds that README names
 BOXES = "with memories as registers and with products and inner blocks as black boxes"
 HEAD = """# Trust
 
 `make trust` runs all the evidence and writes this page; `python tools/trust.py --page` writes it from the
 records in docs/trust/. Evidence is **stale** if anything that it rests on has changed since: the RTL of the
-block or of one inside it, its tests, twin, proof harness or exclusions, or the version of a tool.
-A change of a block makes the evidence of the blocks around it stale as well, since they are simulated,
-proven and upset with the block in them. `make trust TRUST=--due` runs what is stale or missing, for at most
-15 minutes (`TRUST="--due --minutes 90"`): first the blocks in which no other stale one lies, which are those
-that were changed, then those around them, in both what takes longest last. What did not fit stays stale.
+block or of a block inside it, its tests, twin, proof harness or exclusions, or the version of a tool.
+A changed block also makes the evidence of the blocks around it stale, since they are simulated, proven and
+fault-injected together with it. `make trust TRUST=--due` runs what is stale or missing, for at most
+15 minutes (90 with `TRUST="--due --minutes 90"`). It begins with the changed blocks, those that contain no
+other stale block, then runs the blocks around them; in each group the slowest run comes last. Evidence that
+was not reached stays stale.
 """
 
 
 def records():
-    """{kind: what docs/trust/<kind>.json says} of the kinds that are recorded."""
+    """{kind: the contents of docs/trust/<kind>.json}, for the kinds that are recorded."""
     paths = {kind: record.FOLDER / f"{kind}.json" for kind in KINDS}
     return {kind: json.loads(path.read_text()) for kind, path in paths.items() if path.exists()}
 
 
-def total(kind, told):
-    """A kind's sentence of the blocks whose evidence is current, and how many are stale and not counted."""
+def split(told, kind):
+    """([facts of the blocks whose evidence is current], [names of the blocks whose evidence is stale])."""
     before = record.stale(told, kind)
+    return [facts for name, facts in told["blocks"].items() if name not in before], before
+
+
+def total(kind, told):
+    """A kind's sentence about the blocks with current evidence, and how many are stale and not counted."""
+    current, before = split(told, kind)
     if not before:
         return told["total"]
-    current = [facts for name, facts in told["blocks"].items() if name not in before]
     words = f"{len(before)} block{'s' * (len(before) > 1)} {STALE}, not counted"
     if not current:
         return f"{KINDS.get(kind) or kind}: none current ({words})"
@@ -108,18 +113,18 @@ def total(kind, told):
 
 
 def sentence_of(kind):
-    """The function that says a list of blocks' facts in a sentence."""
+    """The function that sums up a list of blocks' facts in a sentence."""
     return importlib.import_module(WRITERS.get(kind, kind)).total
 
 
 def cell(kind, told, block):
-    """What a kind says about a block."""
+    """The table's cell for a kind and a block."""
     text = told["blocks"].get(block, {}).get("summary", "")
     return f"{text} ({STALE})" if block in record.stale(told, kind) else text
 
 
 def left_out(recorded):
-    """{kind: sentences}: what each kind does not show, with the numbers of its records."""
+    """{kind: sentences} on what each kind does not show, with numbers from its records."""
 
     def facts(kind):
         return recorded.get(kind, {"blocks": {}})["blocks"].values()
@@ -176,15 +181,14 @@ def page(recorded):
 
 
 def summary(recorded):
-    """README's line, one paragraph."""
-    totals = "; ".join(total(kind, recorded[kind]) for kind in LINE if kind in recorded)
-    return (
-        f"{MARK}{totals}, {BOXES} ([docs/trust.md](docs/trust.md): every kind, and what each does not show)."
-    )
+    """README's paragraph, on one line."""
+    found = {kind: split(recorded.get(kind, {"blocks": {}}), kind) for kind in readme.KINDS}
+    current = {kind: facts for kind, (facts, _) in found.items()}
+    return MARK + readme.paragraph(current, {kind: len(before) for kind, (_, before) in found.items()})
 
 
 def strangers(recorded):
-    """Sentences: what is recorded of blocks that are not there."""
+    """A sentence for each recorded block that does not exist."""
     known = set(benches.blocks())
     return [
         f"docs/trust/{kind}.json has {name}, which rtl/rtl.f does not list"
@@ -195,7 +199,7 @@ def strangers(recorded):
 
 
 def due(step):
-    """The blocks for which ``step`` is missing, or stale."""
+    """The blocks for which the evidence of ``step`` is missing or stale."""
     told = records().get(step.kind, {"blocks": {}})
     kept = {name for name, facts in told["blocks"].items() if step.done(facts)}
     kept -= set(record.stale(told, step.kind))
@@ -203,13 +207,13 @@ def due(step):
 
 
 def due_pieces(kinds):
-    """The pieces that are due, in order."""
+    """The runs that are due, in order."""
     listed = [(step, due(step)) for step in STEPS if step.kind in kinds]
     return due_of.pieces(listed, records())
 
 
 def run_due(kinds, jobs, minutes):
-    """Run what is due for so many minutes, 0: to the end; sentences of what failed or is left."""
+    """Run what is due for so many minutes (0: until all is done); a sentence for each failed run."""
     failed = []
 
     def one(piece, rest):
@@ -229,13 +233,13 @@ def run_due(kinds, jobs, minutes):
 
 
 def command_of(step, names, jobs):
-    """The words of a step's command for ``names``, of all if there are none."""
+    """The words of a step's command for the blocks ``names``; for all blocks if the list is empty."""
     told = step.command.replace("RUNS", str(50 * len(names or step.blocks())))
     return f"tools/{told}".split() + names + ["--record"] + step.jobs * ["--jobs", str(jobs)]
 
 
 def run(step, names, jobs):
-    """Run ``step`` of ``names``, of all if there are none; a sentence if it failed."""
+    """Run ``step`` for the blocks ``names``, or for all; a list with a sentence if it failed."""
     command = command_of(step, names, jobs)
     print("==", *command, flush=True)
     failed = subprocess.run([sys.executable, *command], cwd=ROOT).returncode

@@ -121,9 +121,9 @@ def test_figures_are_those_of_the_record():
         "2 missed (at most 7.04 %), 3 false (at most 8.52 %); 5.5 ms after the first partial slip (median), "
     )
     flag += (
-        "365 ms before the whole contact slips; the median hangs on chosen constants, 0.4 to 120 ms by one "
+        "365 ms before the whole contact slips; the median depends on chosen constants: 0.4 to 120 ms if one "
     )
-    flag += "of them, and with 1 of 3 changes most slips are missed (`docs/constants.md`)"
+    flag += "of them changes, and with 1 of 3 changes most slips are missed (`docs/constants.md`)"
     assert said["slip path"](records) == "131.1 MHz, 7 LUT, 5 FF, 3 block RAMs, one sample per clock"
     assert said["CoP of 1024×1024"](records) == "1,000 frames/s at 131.1 MHz"
     assert said["CoP of 64×64 after the last taxel"](records) == (
@@ -131,15 +131,15 @@ def test_figures_are_those_of_the_record():
     )
     assert said["pre-slip flag"](records) == flag
     assert figures.WORDS["constants"](printed["constants"]["summary"]).endswith(
-        "; by one constant the median of all pulls is 120 to 120 ms and the least lead 40.0 ms "
+        "; if one constant changes, the median of all pulls is 120 to 120 ms and the least lead 40.0 ms "
         "(`docs/constants.md`)"
     )
     assert said["loading and unloading without slip"](records) == "4 false alarms (at most 2 %) (stale)"
     assert figures.GENERATED["the same, 1 channel"](records) == "131.1 MHz, 7 LUT, 5 FF (stale)"
-    assert said["slip events lost of 1"](records) == "5 lost, 6 wrong, 17,303 packets of images beside them"
+    assert said["slip events lost of 1"](records) == "5 lost, 6 wrong, with 17,303 image packets on the line"
     assert said["jitter of convert start and of the decision"](records) == "7 and 8 clocks (stale)"
     assert said["resistor mesh 41×41"](records) == (
-        "the same to 3e-15; about 46 times faster one by one, 1,500 times in a batch of 1,000 (stale)"
+        "equal to 3e-15; about 46 times faster one by one, 1,500 times in a batch of 1,000 (stale)"
     )
     assert said["120 real recordings of a gripper holding (no slip)"](records) == (
         "9 false alarms in the hold (at most 13.8 %); plain peak-to-peak of the same signal: 10 recordings"

@@ -1,5 +1,5 @@
-"""docs/trust.md and README's line show what docs/trust/ has recorded, for existing blocks; evidence that
-depends on changed files is shown as stale."""
+"""docs/trust.md and README's paragraph show what docs/trust/ records of existing blocks, and show evidence as
+stale if what it rests on has changed since."""
 
 import json
 import re
@@ -8,12 +8,11 @@ import pytest
 
 import trust
 from meissner.builds import toolchain
-from verify import benches, record, revision
+from verify import benches, readme, record, revision
 
 
 def test_the_pages_say_what_is_recorded():
-    """Including what is stale: run `python tools/trust.py --page` after a change of files that evidence
-    depends on."""
+    """And which of it is stale: `python tools/trust.py --page` after a change of what evidence rests on."""
     recorded = trust.records()
     assert recorded and trust.PAGE.read_text() == trust.page(recorded), "`python tools/trust.py --page`"
     assert trust.summary(recorded) in trust.README.read_text().splitlines(), "`python tools/trust.py --page`"
@@ -138,6 +137,24 @@ def test_what_is_recorded_is_of_blocks_that_are_there():
 def test_a_stranger_is_reported():
     said = trust.strangers({"mutants": {"blocks": {"skid": {}, "none": {}}}})
     assert said == ["docs/trust/mutants.json has none, which rtl/rtl.f does not list"]
+
+
+def test_readme_s_paragraph_counts_current_evidence_and_says_how_much_is_stale():
+    mutants = {"mutants": 25, "there": 1000, "killed": 22, "equivalent": 3}
+    proven = {"ecp5": {"proven": True, "slang": True}, "ice40": {"proven": True, "slang": False}}
+    current = {
+        "formal": [{"proofs": {"a": {"sets": 1, "failed": False, "kind": "k = 2"}}}],
+        "mutants": [mutants, mutants | {"source": {**mutants, "killed": 21}}],
+        "coverage": [{"of": "x", "line": [5, 5, 5], "toggle": [4, 5, 0]}],
+        "equivalence": [proven, {"reset": {"proven": True}}],
+    }
+    said = readme.paragraph(current, {"formal": 1, "mutants": 2, "coverage": 3, "equivalence": 0})
+    assert said.startswith("1 unbounded proofs") and said.count(". ") == 3
+    assert "1 (ECP5) and 1 (iCE40)" in said and "for 0 of them as slang" in said and "proven for 1." in said
+    assert "killed 44 of 44 mutants of cells and 21 of 22 of source, and reached 90.00 % of 10 " in said
+    assert "(50 of 2,000 in 2 blocks, 6 of them equivalent; 25 of 1,000 in 1 blocks, 3 of them" in said
+    assert "is of 1 blocks and excludes 5 points (33 % of all)" in said and readme.BOXES in said
+    assert "not counted (proofs 1, mutants 2, coverage 3, netlists 0)" in said
 
 
 def test_every_block_has_a_row():

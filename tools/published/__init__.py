@@ -1,11 +1,11 @@
-"""What the papers print, beside what this repository computes: a module for each page of docs/papers."""
+"""The papers' figures and tables beside those of this repository: a module per page of docs/papers."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Row:
-    """A figure, table or statement of a paper, and ours. Texts; ``owes``: constants that ours hangs on."""
+    """A figure, table or statement of a paper, and ours, as text; ``owes``: constants ours depends on."""
 
     figure: str
     what: str
@@ -17,7 +17,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """A heading, with a paragraph and a table of its own; rows after it stand under it."""
+    """A heading with its own paragraph and table; rows that follow appear below it."""
 
     title: str
     text: str = ""

@@ -1,4 +1,4 @@
-"""The figures of the capacitive array in the published layout."""
+"""The figures of the capacitive array, in the layout of the paper."""
 
 import io
 
@@ -30,7 +30,7 @@ def _plain(axis, x, y, title=""):
 
 
 def _save(figure, folder, name):
-    """In 64 colours: a quarter of the size."""
+    """Save the figure in 64 colours, which makes the file four times smaller."""
     drawn = io.BytesIO()
     figure.savefig(drawn, facecolor="white")
     Image.open(drawn).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(folder / name, optimize=True)

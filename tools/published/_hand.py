@@ -1,4 +1,4 @@
-"""The hand of the initial-slip paper (V, figures 16 and 17) beside its scenes: rows and strip charts."""
+"""The hand of the initial-slip paper (V, figures 16 and 17) and its scenes: rows and strip charts."""
 
 from functools import cache
 
@@ -53,6 +53,6 @@ def draw(folder):
         scene, found = held(name, seeds)
         file = f"initial_slip_{number}.png"
         pictures.draw(folder / file, scene, scene.conditions[0], 1, found.trace)
-        Image.open(folder / file).quantize(64).save(folder / file, optimize=True)  # half as large
+        Image.open(folder / file).quantize(64).save(folder / file, optimize=True)  # halves the file size
         shown.append((file, f"Figure {number}: `{name}`, seed 1: grip force, Haar detail, the glass's way"))
     return shown

@@ -1,5 +1,4 @@
-"""A High-Speed Mesh of Tactile Sensors Fitting Arbitrary Surfaces: its part of the page
-``shear_and_mesh``."""
+"""A High-Speed Mesh of Tactile Sensors Fitting Arbitrary Surfaces: its part of page ``shear_and_mesh``."""
 
 import dataclasses
 
@@ -20,7 +19,7 @@ HEAD = """The mesh's equations are exact here, so these are the circuit's own er
 the range from -1 to 1; the paper does not say how it normalises its own. Drawings and photographs have no
 row: figures 1 to 4 and 12."""
 
-DRAWS = 1000  # beside the paper's 100: the averages of our tables then move by less than their last digit
+DRAWS = 1000  # the paper has 100; with 1000 the averages of our tables vary by less than their last digit
 R_OVER_RP = {  # table I
     5: (0.0115, 0.0544, 0.1157, 0.1736),
     10: (0.02315, 0.01088, 0.2315, 0.3472),
@@ -28,8 +27,8 @@ R_OVER_RP = {  # table I
     20: (0.04630, 0.2178, 0.4629, 0.6944),
 }
 PUBLISHED_S = 0.6e-3  # figure 13
-REST_N = (0.0, 0.05, 0.5, 5.0)  # of nine taxels together, beside 5 N
-RATE_HZ = 500_000  # of the table and picture of figure 13
+REST_N = (0.0, 0.05, 0.5, 5.0)  # nine taxels together, in addition to 5 N
+RATE_HZ = 500_000  # for the table and picture of figure 13
 RADII = (0.6, 0.8, 1.0, 1.2, 1.4, 1.5, 1.6, 2.0, 3.0)  # of the hemisphere
 R0_OHM = (1e3, 3e3, 10e3, 30e3, 100e3)
 K = "mesh_loads.K_PAPER"
@@ -37,7 +36,7 @@ INSIDE = "inside"
 
 
 def drops():
-    """What the layers' own drop does to one and to three points."""
+    """The effect of the layers' own voltage drop with one and with three points."""
     found = []
     for r in mesh_loads.SIX_R:
         scene = mesh_loads.cop_one_point(r)
@@ -96,7 +95,7 @@ def two_points():
 
 
 def resolved(r0_ohm, bits=16, load_n=5.0):
-    """Share of the range that one code of E1-E3 is, and I R0 in volts: 41×41, r = 10, one point."""
+    """(one code of E1-E3 as a share of the range, I R0 in volts) for one point on 41×41, r = 10."""
     found = cop4.budget(Mesh(41, 41, 10.0, r0_ohm), bits, 1.0, load_n)["loads"]
     row = next(row for row in found if row["load_n"] == load_n)
     return row["x"]["step"], row["n_v"]
@@ -119,7 +118,7 @@ def series_resistor():
 
 
 def blow(rest_n, response_s=PUBLISHED_S):
-    """(time_s, x, Recording) of 5 N at the right edge of 3×3; ``rest_n``: what all taxels conduct at rest."""
+    """(time_s, x, Recording) of 5 N at the right edge of 3×3; ``rest_n``: the taxels' conductance at rest."""
     scene = scenes.load("cop_impulse_place")
     scene = dataclasses.replace(
         scene, rate_hz=RATE_HZ, world=scene.world | {"rest_n": rest_n / 9, "response_s": response_s}
@@ -130,9 +129,9 @@ def blow(rest_n, response_s=PUBLISHED_S):
 
 
 def rubber_for(rest_n):
-    """The rubber's own response (95 %) with which the position takes the published time; None if none does.
+    """The rubber's response time (95 %) with which the position settles in the published time; None if none.
 
-    The settling time is a share of the rubber's that depends on ``rest_n`` alone, so one division finds it.
+    The settling time is a share of the rubber's that depends only on ``rest_n``, so one division gives it.
     """
     settled_s = blow(rest_n)[2]
     return PUBLISHED_S**2 / settled_s if settled_s > 2 / RATE_HZ else None

@@ -13,11 +13,11 @@ HEAD = """The same circuit as the mesh's, so [shear_and_mesh](shear_and_mesh.md)
 photographs have no row: figures 1 to 4, 6 and 12."""
 R_OHM = 150.0  # VI
 VOLTS = 3.0  # figure 8: one step of one element
-HYSTERESIS = 0.1  # of the force, unloading above loading; chosen: figure 7 has a loop, no number is readable
-CYCLE_HZ, CYCLE_N = 0.2, 3.0  # figure 7; the force is chosen, that of figure 9
+HYSTERESIS = 0.1  # of the force, unloading above loading; chosen: figure 7's loop has no readable numbers
+CYCLE_HZ, CYCLE_N = 0.2, 3.0  # figure 7; the force is chosen equal to that of figure 9
 LEFT_N = np.arange(7) / 2  # figure 9
 HELD_N = 3.0  # figure 9, on the right
-# Sheets with elements cut out: which are gone.
+# Sheets with elements cut out, and which elements are missing.
 CUTS = {
     "3×3, none": ((3, 3), []),
     "3×3, a corner": ((3, 3), [(0, 0)]),
@@ -42,7 +42,7 @@ def one_at_a_time():
 
 
 def two_points(r=R_OHM):
-    """(x as reported, x of an ideal centre, on a straight line) for each load on the left."""
+    """(reported x, x of an ideal centre, x on a straight line) for each load on the left."""
     loads = np.zeros((len(LEFT_N), 3, 3))
     loads[:, 1, 2], loads[:, 1, 0] = HELD_N, LEFT_N
     return Mesh(3, 3, r).solve(loads).x, (HELD_N - LEFT_N) / (HELD_N + LEFT_N), 1 - LEFT_N / HELD_N
@@ -91,9 +91,9 @@ def loop():
 
 
 def pressed(shape, gone):
-    """Position errors (of the range) of one element at a time, elements ``gone``: by the whole mesh's
-    constants; with a gain for each axis, fitted to the same presses; and the smallest and largest reported
-    load."""
+    """(elements present, solution, gains of x and y, position errors, position errors with the gains) for
+    presses on one element at a time while the elements ``gone`` are missing. Errors are shares of the range:
+    with the complete mesh's constants, and with a gain for each axis fitted to the same presses."""
     m, n = shape
     there = np.ones(shape, bool)
     for at in gone:
@@ -109,7 +109,7 @@ def pressed(shape, gone):
 
 
 def bare_rows():
-    """Every second element of 5×5 without rubber: the others are reported as if nothing were missing."""
+    """5×5 with every second row and column without rubber: the others report as on a complete mesh."""
     rubber = np.ones((5, 5), bool)
     rubber[1::2] = rubber[:, 1::2] = False
     mesh = Mesh(5, 5, R_OHM)

@@ -1,4 +1,4 @@
-"""What the pages of the four-wire sensors share: the constants a row owes, numbers in words, pictures."""
+"""Shared by the pages of the four-wire sensors: constants of a row, numbers as text, pictures."""
 
 import importlib
 
@@ -10,8 +10,7 @@ EXACT = "none: the circuit's equations alone"
 
 
 def owes(*names):
-    """``grip.LEVER_MM`` and others of meissner.physics, each with its origin; ValueError for an unknown
-    one."""
+    """Constants of meissner.physics such as ``grip.LEVER_MM``, with their origins; ValueError if unknown."""
     parts = []
     for name in names:
         module, _, constant = name.rpartition(".")
@@ -23,7 +22,7 @@ def owes(*names):
 
 
 def signed(value, digits=4):
-    """So many digits; no sign on what rounds to nothing."""
+    """A signed number with so many digits; 0 without a sign if it rounds to zero."""
     return f"{value:+.{digits}f}" if abs(value) >= 0.5 * 10**-digits else "0"
 
 
@@ -32,12 +31,12 @@ def percent(values, digits=2):
 
 
 def beside(ours, theirs):
-    """How far ours is from the paper's, in percent of the paper's."""
+    """The deviation of ours from the paper's, in percent of the paper's."""
     return f"{100 * (ours / theirs - 1):+.0f} %"
 
 
 def figure(columns=1, rows=1, width=9.0, height=4.4, **axes):
-    """A figure of 900 to 1000 pixels with letters that a phone shows; its axes."""
+    """A figure 900 to 1000 pixels wide with text readable on a phone, and its axes."""
     drawn = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(drawn)
     axes = drawn.subplots(rows, columns, **axes)

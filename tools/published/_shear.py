@@ -16,7 +16,7 @@ from published._slip_pictures import figure, save
 from published._wavelets import SEEDS, first_flag
 
 RATE = 10_000
-SPEEDS = np.geomspace(0.01, 3.0, 61)  # of fig. 12 and 14
+SPEEDS = np.geomspace(0.01, 3.0, 61)  # figs. 12 and 14
 FIRST = (0.875, rubber.PUBLISHED_ONSET)
 SHEAR = "SHEAR_LINE, SHEAR_EXPONENT (published)"
 LIMIT = "STIFFNESS_N_MM (read off), MATERIALS (chosen)"
@@ -27,7 +27,7 @@ sheared = cache(published.sheared)
 
 @cache
 def pulled(first):
-    """The slip experiment of both papers: time, pull, Vc and the instants of its events, from the pull on."""
+    """The slip experiment of both papers: time, pull, Vc and event times, from the beginning of the pull."""
     rng, time_s = np.random.default_rng(1), np.arange(8 * RATE) / RATE
     case = Case("", 2.0, 0.5, 4.0, material="acrylic", first_event=first)
     pull, slip = plate_pulled(time_s, case, 0.0, RATE, rng)
@@ -36,7 +36,7 @@ def pulled(first):
 
 @cache
 def leads(first):
-    """Seconds from the flag to the slip of the whole contact, of each seed; none where there is no flag."""
+    """Seconds from the flag to the slip of the whole contact for each seed that has a flag."""
     scene = scenes.load("slip_first_event")
     found = []
     for seed in SEEDS:
@@ -288,7 +288,7 @@ def compute():
 
 
 def draw_pull(path, until_s, derivative):
-    """Figures 5 and 6 of the journal version, 8 and 9 of the sensor, for both first events."""
+    """Figures 5 and 6 of the journal version, 8 and 9 of the sensor paper, for both first events."""
     pulls = []
     for first in FIRST:
         time_s, pull, vc, _ = pulled(first)

@@ -1,4 +1,4 @@
-"""What the pictures of slip share: a figure readable at a phone's width, its curves, and a small file."""
+"""Shared by the pictures of slip: a figure readable on a phone, its curves, and a small file."""
 
 import io
 
@@ -11,7 +11,7 @@ __all__ = ["BLUE", "GREEN", "INK", "ORANGE", "PURPLE", "RED", "curve", "envelope
 
 
 def save(picture, path, colours=96):
-    """As a PNG with a palette, a third of the size of one without."""
+    """Save as a PNG with a palette, a third of the size without one."""
     drawn = io.BytesIO()
     picture.savefig(drawn, dpi=100, facecolor="white")
     Image.open(drawn).convert("RGB").quantize(colours).save(path, optimize=True)

@@ -1,4 +1,4 @@
-"""What the initial-slip paper's figures are made of: recordings, their Haar details, their CWT by Morlet."""
+"""Data of the initial-slip paper's figures: recordings, their Haar details, their CWT (Morlet wavelet)."""
 
 from functools import cache
 
@@ -11,9 +11,9 @@ from meissner.interval import rate, words
 SEEDS = range(1, 21)
 THRESHOLD_V = 0.01
 MORLET = "morl"
-# From 5 kHz, half the rate, to 125 Hz. Its centre is at 0.8125 of the rate at scale 1.
+# Scales from 5 kHz, half the rate, to 125 Hz. At scale 1 the wavelet's centre is at 0.8125 of the rate.
 SCALES = np.geomspace(1.625, 65, 48)
-EDGE = 4000  # samples held before and after, so that a run's ends are no steps
+EDGE = 4000  # samples repeated before and after, so that the ends of a run make no steps
 
 
 @cache
@@ -33,7 +33,7 @@ def details(run):
 
 @cache
 def largest(name, condition):
-    """Of each seed: largest coefficient while nothing slips, and from the first event to the slip."""
+    """For each seed: the largest coefficient while nothing slips, and from the first event to the slip."""
     rows = []
     for seed in SEEDS:
         run = scenes.simulate(scenes.load(name), condition, seed)
@@ -72,14 +72,14 @@ def mean_power(name, condition, hertz, spans):
 
 
 def columns(found, count=400):
-    """The greatest of each of ``count`` groups of neighbouring samples."""
+    """The maximum of each of ``count`` groups of neighbouring samples."""
     width = max(found.shape[1] // count, 1)
     kept = found[:, : found.shape[1] // width * width]
     return kept.reshape(len(found), -1, width).max(axis=2)
 
 
 def first_flag(run):
-    """When the peak to peak of a window of 32 details first exceeds the threshold from the first event on."""
+    """The time when the peak-to-peak of 32 details first exceeds the threshold, from the first event on."""
     coefficient, at = details(run)
     blocks = coefficient[: len(coefficient) // 32 * 32].reshape(-1, 32)
     spread = np.maximum.accumulate(blocks, axis=1) - np.minimum.accumulate(blocks, axis=1)

@@ -1,4 +1,4 @@
-"""Performance Analysis of a Tactile Sensor (8×8 capacitive cells) beside the capacitive scenes."""
+"""Performance Analysis of a Tactile Sensor (8×8 capacitive cells), compared with the capacitive scenes."""
 
 from functools import cache
 
@@ -30,7 +30,7 @@ def measured(kind, seed=1):
 
 
 def over_seeds(kind, key, scale=1.0):
-    """``4.19 (3.81 to 4.69)``: of seed 1, and of all. ``key``: of the summary, or of its table's last row."""
+    """``4.19 (3.81 to 4.69)``: seed 1 and the range of all seeds. ``key``: in the summary or its last row."""
 
     def value(seed):
         summary = measured(kind, seed)[0]
@@ -47,7 +47,7 @@ def mean_over_seeds(kind, key):
 
 @cache
 def even_lines(seed):
-    """(lines, codes, newtons) of a calibration by even presses."""
+    """(lines, codes, newtons) of a calibration with even presses."""
     scene = scenes.load("capacitive_shapes")
     part = of_pad._World(scene, seed).even(of_pad.CALIBRATION_G, of_pad.EVEN_FRAMES)
     codes = engines.demodulate(part.samples, scene.carrier, "fixed")
@@ -55,13 +55,13 @@ def even_lines(seed):
 
 
 def columns_share():
-    """Of the variance of the cells' gains, what the means of the columns have, for each seed."""
+    """The share of the columns' means in the variance of the cells' gains, in percent, for each seed."""
     gains = [even_lines(seed)[0].gain.astype(float) for seed in SEEDS]
     return [100 * gain.mean(axis=0).var() / gain.var() for gain in gains]
 
 
 def integers_off_g():
-    """Grams between the core's line in integers and least squares in real numbers, at most, 25 to 150 g."""
+    """Largest difference in grams of the core's integer line from the least-squares line, 25 to 150 g."""
     lines, codes, force_n = even_lines(1)
     slope, intercept, _ = calibration.line(codes, force_n)
     exact = (codes - intercept) / slope / GRAM_N

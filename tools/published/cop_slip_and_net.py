@@ -41,7 +41,7 @@ OPTACON_ROWS = (
     ("fig. 14", "a pin switched every 0.4 s", "33 µm (30 dB), then 0.8 µm (-2 dB) at 230 Hz"),
 )
 
-SEEDS = range(1, 6)  # of each condition here; the scene's own ten are in docs/cop_scenes.md
+SEEDS = range(1, 6)  # for each condition; docs/cop_scenes.md has the scene's own ten seeds
 GRIP_N = 2.0  # III-A
 FALL = 0.5, 0.65  # figure 4 (a): 1.0 and 1.3 N of 2 N, the right and the left sensor
 MOVE_V, RISE_N = 0.05, 0.2  # figure 4 (b), (c)
@@ -57,7 +57,7 @@ def scene(cover_mm=0.0):
 
 @cache
 def ran(condition, seed, side=0, cover_mm=0.0):
-    """(recording, x, y, load, verdict, what has published numbers or None) of one run of the scene."""
+    """(recording, x, y, load, verdict, quantities with published numbers or None) of one run of the scene."""
     of = scene(cover_mm)
     recording = scenes.simulate(of, of.conditions[condition], seed, side=side)
     found, decisions = engines.load("fixed").cop_slip(recording.codes, of.config, of.lag, of.registers)
@@ -68,13 +68,13 @@ def ran(condition, seed, side=0, cover_mm=0.0):
 
 
 def runs(pulls, **settings):
-    """Every run of the conditions that pull, or of all of them."""
+    """All runs of the conditions with a pull, or of all conditions."""
     numbers = [k for k, c in enumerate(scene().conditions) if isinstance(c, Pull) or not pulls]
     return [ran(number, seed, **settings) for number in numbers for seed in SEEDS]
 
 
 def mean(key, **settings):
-    """Of what the paper has numbers of, over the pulls at its grip."""
+    """The mean of a quantity with published numbers, over the pulls at the paper's grip."""
     found = [facts[key] for r, *_, facts in runs(True, **settings) if r.condition.grip_n == GRIP_N]
     return float(np.mean(found))
 
@@ -182,7 +182,7 @@ def cover_table():
 
 
 def sheared():
-    """What the rubber does during and after the shear of figures 6 to 8, at 2 V."""
+    """The rubber's response during and after the shear of figures 6 to 8, at 2 V."""
     k, speed = float(rubber.shear_gain(2.0)), 0.05
     time_s = np.arange(0, 7, 1e-3)
     level = rubber.shear_level(time_s, np.where((time_s > 0) & (time_s <= 1), speed, 0.0))
@@ -208,7 +208,7 @@ def sheared():
 
 def shear_tables():
     n = rubber.SHEAR_EXPONENT
-    k = {volts: float(rubber.shear_gain(volts)) for volts in FIT}  # eq. 2 in this range
+    k = {volts: float(rubber.shear_gain(volts)) for volts in FIT}  # eq. 2 within its range
     rows = []
     for speed, step in STEP_V.items():
         own, ours = FIT[2][0] * speed ** FIT[2][1], k[2] * speed**n

@@ -1,4 +1,4 @@
-"""High Sensitivity Initial Slip Sensor for Dexterous Grasp: its figures, from the scenes of the rubber."""
+"""High Sensitivity Initial Slip Sensor for Dexterous Grasp: its figures, from the rubber's scenes."""
 
 import numpy as np
 import pywt
@@ -51,14 +51,14 @@ def ramps(run):
 
 
 def edge_hz(name, condition, spans):
-    """The highest frequency with half of the power that there is from 200 to 500 Hz."""
+    """(the highest frequency with at least half of the mean power from 200 to 500 Hz, that mean power)."""
     plateau = mean_power(name, condition, PLATEAU_HZ, spans).mean()
     hertz = np.arange(500.0, 1001.0, 10.0)
     return hertz[mean_power(name, condition, hertz, spans) >= plateau / 2].max(), plateau
 
 
 def pulls():
-    """Rise of the tension, its first event as a share of that, and the rise of Vc with it, of acrylic 2 N."""
+    """For acrylic, 2 N: duration of the tension's rise, first event as a share of it, and the rise of Vc."""
     rows = []
     for seed in range(1, 21):
         run = recording("acrylic_slip", "acrylic 2 N", seed)
@@ -225,7 +225,7 @@ def compute():
 
 
 def cwt_panel(axis, found, time_s):
-    """CWT power in steps of 5 dB from -75 to -25 dB of 1 V², low frequencies above, as published."""
+    """CWT power in steps of 5 dB from -75 to -25 dB of 1 V², low frequencies at the top, as published."""
     shown = columns(found)
     level = 5 * np.floor(2 * np.log10(np.maximum(shown, 1e-12)))
     times = np.linspace(time_s[0], time_s[-1], shown.shape[1])
@@ -239,7 +239,7 @@ def cwt_panel(axis, found, time_s):
 
 
 def draw_cwt(path, name, condition, zooms, gross_s=None):
-    """Vc above, its CWT below it, and three parts of the CWT enlarged."""
+    """Vc at the top, its CWT below, and three enlarged parts of the CWT."""
     run = recording(name, condition)
     hertz = pywt.central_frequency(MORLET) * run.scene.rate_hz
     found, time_s = power(name, condition, tuple(hertz / SCALES)), run.time_s
@@ -271,7 +271,7 @@ def draw_cwt(path, name, condition, zooms, gross_s=None):
 
 
 def draw_dwt(path, cases, height):
-    """For each case Vc above its Haar detail with the threshold, as published."""
+    """For each case Vc, and below it its Haar detail with the threshold, as published."""
     picture, axes = figure(2 * len(cases), height)
     for (number, (name, condition)), vc, detail in zip(cases, axes[::2, 0], axes[1::2, 0]):
         run = recording(name, condition)

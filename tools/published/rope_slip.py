@@ -1,4 +1,4 @@
-"""Fingertip Tactile Sensor for Detecting Rope Slip beside the matrix of 3×3 FSR400; no forest yet."""
+"""Fingertip Tactile Sensor for Detecting Rope Slip, compared with the matrix of 3×3 FSR400; no forest yet."""
 
 import io
 from functools import cache

@@ -1,4 +1,4 @@
-"""The rubber papers and the mesh paper, one page: published._shear and, if it is there, published._mesh."""
+"""One page for the rubber papers and the mesh paper: published._shear and, if it exists, published._mesh."""
 
 from importlib import import_module
 from importlib.util import find_spec

@@ -1,7 +1,7 @@
-"""The second look at mutants that equivalence.py leaves open: from any state that both copies share, a reset.
+"""Second attempt at mutants that equivalence.py leaves open: a reset from any state that both copies share.
 
-More than a block can get to, so only a proof counts. Registers that the reset sets begin with just that, so
-that what they have in common holds from the first clock on and induction sees it.
+Such a state may be unreachable, so only a proof counts. Registers that the reset sets start with their reset
+values, so that their equality holds from the first clock on and induction can use it.
 """
 
 from collections import defaultdict
@@ -36,7 +36,7 @@ def select(circuit, number):
 def miter(circuit, number, frames=None, wrong=None):
     """(graph, latches, the literal that is 1 where the copies differ) of mutant ``number``.
 
-    ``frames``: a lemmas.Frames; ``wrong(graph, inputs, block, mutant)``: in place of outputs that differ.
+    ``frames``: a lemmas.Frames; ``wrong(graph, inputs, block, mutant)``: replaces the outputs' difference.
     """
     graph = Aig()
     chosen = {"a": 0, "b": number}
@@ -59,7 +59,7 @@ def miter(circuit, number, frames=None, wrong=None):
         states[side], held[side] = {}, {}
         for bit, after in circuit.registers.items():
             first, latch = reset[after] if resets else shared[bit], graph.input()
-            held[side][bit] = latch, int(first == TRUE)  # a latch begins with 0
+            held[side][bit] = latch, int(first == TRUE)  # latches start at 0
             constant = first in (FALSE, TRUE)
             states[side][bit] = latch ^ (first == TRUE) if constant else graph.choose(begun, latch, first)
     if frames:
@@ -81,7 +81,7 @@ def miter(circuit, number, frames=None, wrong=None):
 
 
 def idle(circuit, number):
-    """Whether mutant ``number`` changes no register and no output that counts, whatever it holds and gets."""
+    """Whether mutant ``number`` changes no register and no valid output in any state and with any inputs."""
     graph = Aig()
     given = {bit: graph.input() for (name, _), bit in circuit.inputs.items() if name != "mutsel"}
     given |= {bit: graph.input() for bit in circuit.registers}
@@ -93,7 +93,7 @@ def idle(circuit, number):
 
 
 def outputs_apart(circuit, graph, block, mutant):
-    """1 where an output differs that counts."""
+    """A literal that is 1 where an output differs while it is valid."""
     names = defaultdict(list)
     for (name, _), bit in circuit.outputs.items():
         names[name].append(bit)
@@ -107,7 +107,7 @@ def outputs_apart(circuit, graph, block, mutant):
 
 
 def write_all(mutants, folder):
-    """An AIGER file m<number>.aig of each mutant."""
+    """Write an AIGER file m<number>.aig for each mutant."""
     circuit = bits(folder)
     for mutant in mutants:
         graph, latches, bad = miter(circuit, mutant.number)

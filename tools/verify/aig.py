@@ -1,19 +1,19 @@
-"""And-inverter graphs: what proofs about netlists are computed on.
+"""And-inverter graphs, on which proofs about netlists are computed.
 
 A literal is an integer, 2·node + 1 if inverted; node 0 is the constant, so 0 is false and 1 is true.
 """
 
 FALSE, TRUE = 0, 1
-LANES = 512  # of a simulation, side by side in one integer
+LANES = 512  # parallel simulation runs, one bit each of an integer
 ALL = (1 << LANES) - 1
 
 
 class Aig:
-    """A graph that grows: inputs and two-input ANDs, equal ANDs being one node."""
+    """A growing graph of inputs and two-input ANDs; equal ANDs share one node."""
 
     def __init__(self):
-        self.fan = [None]  # of a node: its two literals, or None of the constant and of inputs
-        self.inputs = []  # their nodes
+        self.fan = [None]  # per node: its two literals; None for the constant and for inputs
+        self.inputs = []  # nodes of the inputs
         self._known = {}
 
     def input(self):
@@ -51,7 +51,7 @@ class Aig:
         return result
 
     def minus(self, a, b):
-        """(a - b without the borrow, the borrow): lists of literals, the lowest first."""
+        """(a - b without the borrow, the borrow): lists of literals, lowest bit first."""
         borrow, result = FALSE, []
         for x, y in zip(a, b):
             apart = self.differ(x, y)
@@ -61,7 +61,7 @@ class Aig:
 
 
 def simulate(graph, values):
-    """The value of every node, one bit a lane; ``values``: {node of an input: integer}."""
+    """The value of every node, one bit per lane; ``values``: {input node: integer}."""
     known = [0] * len(graph.fan)
     for node, fan in enumerate(graph.fan):
         if fan:
@@ -77,7 +77,7 @@ def lane_bits(known, literal):
 
 
 def write(path, graph, latches, outputs):
-    """Write binary AIGER: ``latches``: [(literal of the input that holds it, next)], from 0 on."""
+    """Write binary AIGER. ``latches``: [(literal of the latch's input node, next)]; they start at 0."""
     held = {literal >> 1 for literal, _ in latches}
     inputs = [node for node in graph.inputs if node not in held]
     gates = [node for node, fan in enumerate(graph.fan) if fan]
@@ -102,7 +102,7 @@ def write(path, graph, latches, outputs):
 
 
 def outputs_of(path):
-    """Literals of the outputs of a binary AIGER file: 0 is an output that is always false."""
+    """Literals of the outputs of a binary AIGER file; 0 means that the output is always false."""
     lines = path.read_bytes().split(b"\n")
     _, _, _, latches, outputs, _ = lines[0].split()[:6]
     first = 1 + int(latches)

@@ -1,4 +1,4 @@
-"""With which parameters the tests build each block, asked of the tests themselves."""
+"""The parameters with which the tests build each block, taken from the tests themselves."""
 
 import json
 import os
@@ -26,7 +26,7 @@ bench.run = _run
 
 
 def blocks():
-    """Names of all blocks of rtl/rtl.f, msn_ left off, in their order; packages left out."""
+    """Names of all blocks in rtl/rtl.f, in its order, without msn_ and without packages."""
     names = [path.stem.removeprefix("msn_") for path in toolchain.sources()]
     return [name for name in names if not name.endswith("pkg")]
 
@@ -38,7 +38,7 @@ def stage_of(block):
 
 @cache
 def runs(*names):
-    """Every bench.run() of the tests of these blocks (none: of all), as dicts of its arguments, not run."""
+    """Every bench.run() call in these blocks' tests (default: all) as a dict of arguments; nothing runs."""
     tests = [f"tb/{stage_of(name)}/test_{name}.py" for name in names or blocks()]
     with tempfile.TemporaryDirectory() as folder:
         told = Path(folder) / "runs"

@@ -1,4 +1,4 @@
-// Carries one after the other, as both families have them: the proof then meets the same sums on both sides.
+// Ripple carry, as in both families, so that the proof has the same sums on both sides.
 (* techmap_celltype = "$lcu" *)
 module ripple #(
   parameter WIDTH = 1

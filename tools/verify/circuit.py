@@ -1,7 +1,7 @@
-"""A block as bits: Yosys makes them of its sources, or through synthesis; here they become a graph.
+"""A block as bits: Yosys makes them from the sources or by synthesis; this module turns them into a graph.
 
-Products are leaves: boxes on either side, whose results are as free as inputs and whose operands count as
-outputs. So are, where asked, the blocks that a block is made of.
+Products are leaves: black boxes on both sides, whose results are free like inputs and whose operands are
+compared like outputs. The blocks inside a block can be leaves as well.
 """
 
 import json
@@ -17,7 +17,7 @@ FAMILIES = {
     "ecp5": ("synth_ecp5 -run begin:check -nobram -nolutram -nodsp", "+/ecp5/cells_sim.v"),
     "ice40": ("synth_ice40 -run begin:check -nobram", "+/ice40/cells_sim.v"),
 }
-# What is undefined, such as a word beside a memory's end, is 0 on both sides.
+# Undefined values, such as a word beyond a memory's end, are 0 on both sides.
 ZERO = "setundef -undriven -zero; setundef -zero"
 BITS = (
     f"techmap -map {HERE}/carry_map.v -map +/techmap.v; dffunmap; simplemap; opt_clean; {ZERO}; "
@@ -30,9 +30,9 @@ DEFINED = f"techmap -map {HERE}/defined_map.v; memory -nordff; {ZERO}; opt_clean
 class Circuit:
     """Bits as Yosys numbers them; "0" and "1" are constants.
 
-    ``inputs``, ``outputs``: {(name, index): bit}, among them a box's as ("box.port", index);
-    ``registers``: {Q: D}; ``gates``: {Y: its operands, two of an AND, one of an inverter};
-    ``names``: {bit: every (name, index) it has in the source}; ``boxes``: {instance: block, msn_ left off}.
+    ``inputs``, ``outputs``: {(name, index): bit}, including those of boxes as ("box.port", index);
+    ``registers``: {Q: D}; ``gates``: {Y: its operands, two for an AND, one for an inverter};
+    ``names``: {bit: every (name, index) it has in the source}; ``boxes``: {instance: block without msn_}.
     """
 
     inputs: dict = field(default_factory=dict)
@@ -43,7 +43,7 @@ class Circuit:
     boxes: dict = field(default_factory=dict)
 
     def build(self, graph, given):
-        """Literals in ``graph`` of every bit, those of inputs and registers being ``given``."""
+        """Literals in ``graph`` of every bit; ``given``: those of inputs and registers."""
         known = {"0": FALSE, "1": TRUE, **given}
         for root in self.gates:
             waiting = [root]
@@ -72,9 +72,9 @@ class Circuit:
         return found
 
     def holders(self):
-        """{(name, index): (Q, inverted)} of what is a register's contents, or those inverted.
+        """{(name, index): (Q, inverted)} for signals that equal a register or its inverse.
 
-        Q None: it is a constant.
+        Q is None for a constant.
         """
         graph = Aig()
         given = {bit: graph.input() for bit in [*self.registers, *self.inputs.values()]}
@@ -89,7 +89,7 @@ class Circuit:
 
 
 def load(path, top):
-    """The circuit of a netlist in Yosys's JSON, all of one clock."""
+    """The circuit of a netlist in Yosys's JSON; it must have one clock."""
     module = json.loads(path.read_text())["modules"][top]
     circuit = Circuit()
     clock = module["ports"].get("clk_i", {"bits": [None]})["bits"][0]
@@ -151,9 +151,10 @@ SAYS = {
 
 
 def framed(block, circuit, channels):
-    """Verilog around a block of the slip path, which gets frames as msn_frame_filter lets them through.
+    """Verilog around a block of the slip path that gives it frames as msn_frame_filter sends them.
 
-    Samples count 0 .. channels - 1, the last marked; ``restart`` all through a frame and in the first of all.
+    Samples are numbered 0 .. channels - 1 and the last is marked; ``restart`` is constant over a frame and 1
+    in the first frame.
     """
     sides = {"input": circuit.inputs, "output": circuit.outputs}
     found = [(side, name, index) for side, bits in sides.items() for name, index in bits if "." not in name]
@@ -165,22 +166,22 @@ def framed(block, circuit, channels):
 
 
 def boxed(top):
-    """Yosys's commands that leave of every block in ``top`` a box, kept even if nobody reads its outputs."""
+    """Yosys commands that make every block in ``top`` a black box and keep it even with unused outputs."""
     return f"select -set boxes =*msn_* ={top} %d; blackbox @boxes; setattr -mod -set keep 1 @boxes; "
 
 
 def boxes(circuit):
-    """Names of the blocks that are boxes in ``circuit``, msn_ left off."""
+    """Names, without msn_, of the blocks that are boxes in ``circuit``."""
     return sorted(set(circuit.boxes.values()))
 
 
 def synthesise(block, parameters, folder, families=FAMILIES, defined=False, around="", cut=False, slang=True):
     """Netlists of ``msn_<block>`` in ``folder``, relative to ROOT: {"source": circuit, family: circuit}.
 
-    ``slang``: beside a netlist the source is read by slang: what Yosys' own reader takes for something else
-    shows.
-    ``defined``: memories become registers, and what is undefined 0, already for synthesis; ``around``: what
-    ``framed`` gives, the top in its place; ``cut``: the blocks in it are boxes.
+    ``slang``: slang reads the source that is compared with a netlist, so that a misreading by Yosys' own
+    reader shows as a difference. ``defined``: memories become registers and undefined values 0 before
+    synthesis; ``around``: the Verilog from ``framed``, which becomes the top; ``cut``: the blocks inside are
+    boxes.
     """
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)

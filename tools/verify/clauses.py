@@ -1,15 +1,15 @@
-"""A SAT solver that is asked about a graph."""
+"""A SAT solver for questions about a graph."""
 
 
 class Clauses:
-    """A solver that takes in what of a graph it is asked about."""
+    """A solver that loads only the parts of a graph that its questions need."""
 
     def __init__(self, graph):
-        from pysat.solvers import Solver  # of the synthesis tools: pages of evidence are written without
+        from pysat.solvers import Solver  # imported late: writing the pages does not need it
 
         self.graph = graph
         self.solver = Solver(name="cadical153")
-        self.variables = {0: 1}  # of nodes
+        self.variables = {0: 1}  # {node: the solver's variable}
         self.top = 1
         self.add([-1])
 
@@ -18,7 +18,7 @@ class Clauses:
         return self.top
 
     def literal(self, literal):
-        """The solver's literal for one of the graph, with the clauses of all below it."""
+        """The solver's literal for a literal of the graph; adds the clauses of all nodes below it."""
         waiting = [literal >> 1]
         while waiting:
             node = waiting.pop()
@@ -47,6 +47,6 @@ class Clauses:
         return self.solver.solve(assumptions=assumptions)
 
     def true_of(self, literals):
-        """Those keys of ``literals`` that the model makes true, as far as it knows."""
+        """The keys of ``literals`` that are true in the solver's model; unloaded ones are left out."""
         true = set(self.solver.get_model())
         return [key for key, one in literals.items() if one >> 1 in self.variables and self._of(one) in true]

@@ -1,7 +1,8 @@
-"""The third look at mutants of msn_divide, which answers only if |num| <= den and den > 0.
+"""Third attempt at mutants of msn_divide, whose result is defined only if |num| <= den and den > 0.
 
-Two copies with legal inputs, one changed. By induction over the clocks: they hold the same, where it counts,
-and what a division at work holds stays in its bounds. A SAT solver takes each step; only a proof counts.
+Two copies, one of them mutated, get legal inputs. Induction over the clocks shows that their registers agree
+where they matter, and that the registers of a running division stay within their bounds. A SAT solver does
+each step; only a proof counts.
 """
 
 from collections import defaultdict
@@ -15,7 +16,7 @@ RANK = ("rest", "den", "low", "high", "step", "negative", "side")
 
 
 class Copies:
-    """The block and mutant ``number`` in a clock; ``apart``: ranks without a division may differ."""
+    """The block and mutant ``number`` in one clock; ``apart``: ranks without a division may differ."""
 
     def __init__(self, circuit, number, apart, reset=None):
         self.circuit, self.graph = circuit, Aig()
@@ -33,7 +34,7 @@ class Copies:
         pipe = self.bits["gen_pipe.valid"]
         ranks = len(pipe) or 1
         self.control = {holds[one] for name in CONTROL for one in self.word(block, name) if one in holds}
-        self.rank_of = dict.fromkeys(state, 0)  # which one a register is of
+        self.rank_of = dict.fromkeys(state, 0)  # {register: its rank}
         wide = sum(len(self.bits[f"gen_unit[0].{field}"]) for field in RANK)
         self.rank_of |= {
             holds[one]: index // wide for index, one in enumerate(self.word(block, "rank")) if one in holds
@@ -51,7 +52,7 @@ class Copies:
         self.known = block, circuit.build(graph, ports | other | after_reset.select(circuit, number))
 
     def live(self, known):
-        """Does a rank hold a division? One literal each."""
+        """For each rank, a literal that is 1 if it holds a division."""
         pipe = self.word(known, "gen_pipe.valid")
         return pipe or [self.graph.any(self.word(known, "turn") + self.word(known, "out_valid_o"))]
 
@@ -60,7 +61,7 @@ class Copies:
         return [known[bits[index]] for index in sorted(bits)]
 
     def legal(self):
-        """Is the input?"""
+        """A literal that is 1 if the input is legal."""
         graph, known = self.graph, self.known[0]
         num, den = self.word(known, "in_num_i"), self.word(known, "in_den_i")
         negative, _ = graph.minus([FALSE] * len(num), num)
@@ -70,7 +71,7 @@ class Copies:
         return graph.either(valid ^ 1, graph.both(graph.any(den), above ^ 1))
 
     def bounded(self, known):
-        """Is rest <= 2 den in the first clock of a division, <= den << BitsPerClock later, and 3 den that?"""
+        """Whether rest <= 2 den in a division's first clock, then <= den << BitsPerClock; triple = 3 den."""
         graph = self.graph
         if live := self.word(known, "gen_pipe.valid")[:-1]:
             first = [TRUE, *[FALSE] * (len(live) - 1)]
@@ -93,12 +94,12 @@ class Copies:
         return graph.both(live, wrong)
 
     def after(self, known):
-        """What stands on the registers' outputs a clock later, for ``bounded``."""
+        """Literals with the registers one clock later, for ``bounded``."""
         later = {bit: known[after] for bit, after in self.circuit.registers.items()}
         return self.circuit.build(self.graph, {**dict.fromkeys(self.circuit.inputs.values(), FALSE), **later})
 
     def outputs_differ(self):
-        """Do the copies give different things that count?"""
+        """A literal that is 1 if the copies differ in an output that is valid."""
         graph, (one, other) = self.graph, self.known
         [valid] = self.word(one, "out_valid_o")
         apart = {port: graph.differ(one[bit], other[bit]) for port, bit in self.circuit.outputs.items()}
@@ -106,7 +107,7 @@ class Copies:
         return graph.either(graph.any(always), graph.both(valid, graph.any(apart.values())))
 
     def leaves(self):
-        """Will they hold different things where it counts, or the block one out of bounds?"""
+        """A literal that is 1 if a clock later the copies differ where it matters or bounds are violated."""
         graph, (one, other) = self.graph, self.known
         later = self.after(one)
         apart = {bit: graph.differ(one[after], other[after]) for bit, after in self.circuit.registers.items()}
@@ -117,7 +118,7 @@ class Copies:
 
 
 def same(circuit, number):
-    """Whether mutant ``number`` of the circuit is proven to be the block."""
+    """Whether mutant ``number`` of the circuit is proven equal to the block."""
     begin, on = Copies(circuit, number, False, TRUE), Copies(circuit, number, True)
     legal = [begin.legal()], [on.legal(), on.bounded(on.known[0])]
     wrong = begin.leaves(), on.graph.either(on.outputs_differ(), on.leaves())

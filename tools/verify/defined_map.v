@@ -1,4 +1,4 @@
-// What a part-select beyond a word's end gives is undefined in the source; here it is 0.
+// A part-select beyond a word's end is undefined in the source; here it is 0.
 (* techmap_celltype = "$shiftx" *)
 module to_shift #(
   parameter A_WIDTH = 1,

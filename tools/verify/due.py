@@ -1,8 +1,8 @@
-"""What of the evidence is due, in which order, and for how long.
+"""Which runs of evidence are due, in which order, and how long they take.
 
-A piece is a run of one tool for one block. Evidence of a block rests on all RTL in it, so a change of a block
-makes that of the blocks around it stale, too. Pieces of blocks in which no other stale one lies come first:
-these are what was changed. The others follow; in both, what takes longest is last.
+A piece is a run of one tool for one block. A block's evidence rests on all RTL inside it, so a changed block
+also makes the evidence of the blocks around it stale. Pieces for blocks that contain no other stale block
+come first: these are the changed blocks. The others follow; in both groups the slowest piece comes last.
 """
 
 import os
@@ -16,18 +16,18 @@ from typing import NamedTuple
 from meissner.builds import toolchain
 from verify import benches
 
-UNKNOWN_S = 30.0  # of a kind of which nothing was recorded
+UNKNOWN_S = 30.0  # assumed for a kind without any record
 
 
 class Piece(NamedTuple):
     step: object
     block: str
-    around: bool  # there is a stale block in it
-    seconds: float  # of a processor, as recorded, or what half of the blocks take less than
+    around: bool  # whether the block contains a stale block
+    seconds: float  # CPU time as recorded, or the median of the kind's blocks
 
 
 def took(facts):
-    """Seconds of a processor that a block's facts took; None if they do not say."""
+    """CPU seconds that a block's facts took; None if they do not state it."""
     if "cpu_s" in facts:
         return facts["cpu_s"]
     if "proofs" in facts:
@@ -38,14 +38,14 @@ def took(facts):
 
 
 def inner(block):
-    """Names of the blocks in a block; none of what is no block."""
+    """Names of the blocks inside a block; empty if the name is not a block."""
     if block not in benches.blocks():
         return set()
     return {path.stem.removeprefix("msn_") for path in toolchain.sources_of(f"msn_{block}")} - {block}
 
 
 def pieces(due, recorded):
-    """The pieces of ``due`` [(step, blocks)] in the order in which they are to be run."""
+    """The pieces of ``due`` [(step, blocks)] in the order in which to run them."""
     stale = {block for _, blocks in due for block in blocks}
     found = []
     for step, blocks in due:
@@ -60,9 +60,9 @@ def pieces(due, recorded):
 
 
 def within(listed, budget_s, run, clock=time.monotonic):
-    """``run(piece, seconds left)`` of the pieces until ``budget_s`` have gone (None: all); what is left.
+    """Call ``run(piece, seconds left)`` for the pieces within ``budget_s`` (None: all); return the rest.
 
-    A piece that took longer than what is left is passed over: ``run`` ends what does not end in time.
+    A piece whose recorded time exceeds the time left is skipped; ``run`` stops one that does not end in time.
     """
     begun, left = clock(), []
     for piece in listed:
@@ -75,14 +75,14 @@ def within(listed, budget_s, run, clock=time.monotonic):
 
 
 def limited(command, seconds):
-    """Run ``command`` for so many seconds (None: to its end) with all that it starts; its exit code, None if
-    it was ended."""
+    """Run ``command`` and its child processes for at most so many seconds (None: to the end); the exit code,
+    None if it was stopped."""
     process = subprocess.Popen([sys.executable, *command], cwd=toolchain.ROOT, start_new_session=True)
     try:
         return process.wait(seconds)
     except subprocess.TimeoutExpired:
         return None
     finally:
-        if process.poll() is None:  # also if a person ends this
+        if process.poll() is None:  # also after an interrupt by the user
             os.killpg(process.pid, signal.SIGTERM)
             process.wait()

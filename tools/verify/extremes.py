@@ -1,4 +1,4 @@
-"""The stability suite: each block and solver at the ends of its range and beyond, against exact arithmetic.
+"""Tests of each block and solver at and beyond the ends of its range, against exact arithmetic.
 
 A row is a function in tb/extremes/<stage>.py:
 
@@ -6,11 +6,11 @@ A row is a function in tb/extremes/<stage>.py:
     def divide(see):
         see.near(got, exact, where)
 
-``see`` compares what a twin or solver gives with exact numbers (int, Fraction, mpmath's mpf), keeps the
-worst error and its place, and raises Outside where one is beyond its bound, is NaN or infinite. Exact
-numbers come from tb/reference/exact.py and its neighbours, which import nothing of the twins.
-A row per block and not an entry of EVIDENCE: rows are code, and the tests of a block are part of what five
-other kinds of evidence rest on, which a new case here would make stale.
+``see`` compares the results of a twin or solver with exact numbers (int, Fraction, mpmath's mpf), keeps the
+worst error and its place, and raises Outside if an error exceeds its bound or a result is NaN or infinite.
+Exact numbers come from tb/reference/exact.py and the files next to it, which import nothing from the twins.
+Rows are separate files, not entries of EVIDENCE: they are code, and five other kinds of evidence rest on a
+block's tests, so a new case there would make that evidence stale.
 """
 
 import importlib.util
@@ -34,24 +34,24 @@ from verify import benches, evidence, revision
 from verify.pairs import covering
 
 FOLDER = toolchain.ROOT / "tb/extremes"
-TOPS = {  # no statement of a reference, as they join all
+TOPS = {  # blocks without a stated reference, since they only join others
     "core": "joins registers, a sensor, slip_chain, grip and core_link",
     "axis": "joins core and axil",
     "shear_speeds": "joins frame_filter and shear_speed; its counters turn over by contract (docs/link.md)",
     "actuate": "joins finger_health, grip and pwm; its counters turn over by contract (docs/link.md)",
 }
-EXAMPLES = {False: 40, True: 2000}  # of hypothesis, short and long
-WIDEST = 110  # characters of a place
+EXAMPLES = {False: 40, True: 2000}  # hypothesis examples, short and long form
+WIDEST = 110  # characters shown of a place
 
 
 class Outside(AssertionError):
-    """A result beyond its bound, one that is no number, or a case that should have been refused."""
+    """An error beyond its bound, a result that is not a number, or a case that should have been refused."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """``bounds``: {what: bound}, ``ends``: what happens beyond the range, ``rtl``: tests that drive the RTL
-    there, ``files``: what a solver consists of (a block has its sources)."""
+    """``bounds``: {quantity: bound}, ``ends``: behaviour beyond the range, ``rtl``: tests that drive the RTL
+    there, ``files``: a solver's files (a block has its sources)."""
 
     name: str
     bounds: dict
@@ -62,13 +62,13 @@ class Row:
     source: str = ""
 
     def limit(self, part):
-        """The number that a bound begins with; None where each case has its own."""
+        """The number at the beginning of a bound; None if each case has its own bound."""
         found = re.match(r"\d+(/\d+)?(\.\d+)?(e-?\d+)?(?=\s|$)", self.bounds[part])
         return Fraction(found[0]) if found else None
 
     @property
     def error(self):
-        """The line of the block's header."""
+        """The error line for the block's header."""
         words = []
         for part, bound in self.bounds.items():
             bound = "none" if self.limit(part) == 0 else f"at most {bound}"
@@ -94,7 +94,7 @@ def row(name, bounds, ends="", rtl=(), files=()):
 
 @cache
 def rows():
-    """{name: Row} of all files, blocks in the order of rtl/rtl.f, then the solvers."""
+    """{name: Row} from all files: blocks in the order of rtl/rtl.f, then the solvers."""
     ROWS.clear()
     for path in sorted(FOLDER.glob("*.py")):
         if path.stem.startswith(("test_", "_")):
@@ -109,7 +109,7 @@ def rows():
 
 
 def without():
-    """{block: why it has no row}: it moves or joins; ValueError for one that computes and has none."""
+    """{block: why it has no row}: it moves data or joins blocks; ValueError if it computes and has no row."""
     found = {}
     for block in benches.blocks():
         if block in rows():
@@ -140,13 +140,13 @@ def exactly(number):
 class Worst:
     error: Fraction = Fraction(0)
     limit: Fraction = Fraction(0)
-    share: Fraction = Fraction(-1)  # of the bound
+    share: Fraction = Fraction(-1)  # error / bound
     where: str = ""
 
 
 @dataclass
 class See:
-    """What a row's body reports to."""
+    """Collects the results of a row's body."""
 
     row: Row
     long: bool = False
@@ -178,11 +178,11 @@ class See:
             )
 
     def between(self, got, exact, below, above, where, part=""):
-        """The same where a result may lie further off on one side than on the other."""
+        """Like ``near``, with a different bound for results below and above the exact number."""
         try:
             low = exactly(got) < exactly(exact)
         except (Outside, ValueError, OverflowError, TypeError):
-            low = False  # near says what it is
+            low = False  # near reports the error
         self.near(got, exact, where, part, below if low else above)
 
     def all_near(self, gots, exacts, wheres, part="", limit=None):
@@ -193,7 +193,7 @@ class See:
             self.near(got, exact, where, part, limit)
 
     def same(self, got, wanted, where, part=""):
-        """Numbers, words, lists: equal, else Outside."""
+        """Numbers, words or lists must be equal."""
         self.cases += 1
         self.worst.setdefault(part, Worst(where=_place(where)))
         if got != wanted:
@@ -201,7 +201,7 @@ class See:
             raise Outside(f"{part or self.row.name}: {got!r} is not {wanted!r}, at {_place(where)}"[:600])
 
     def refused(self, call, *given, **named):
-        """The call must raise ValueError: nothing out of range passes."""
+        """The call must raise ValueError, since its arguments are out of range."""
         self.cases += 1
         try:
             call(*given, **named)
@@ -210,7 +210,7 @@ class See:
         raise Outside(f"{getattr(call, '__name__', call)}({given}, {named}) was not refused")
 
     def given(self, check, **strategies):
-        """Hypothesis: ``check`` with drawn arguments; the least failing ones are reported."""
+        """Run ``check`` with arguments drawn by hypothesis; the smallest failing ones are reported."""
         from hypothesis import HealthCheck, Phase, Verbosity, given, seed, settings
 
         phases = (Phase.explicit, Phase.generate, Phase.target, Phase.shrink)
@@ -225,8 +225,8 @@ class See:
         seed(self.seed)(drawn(given(**strategies)(check)))()
 
     def elaborates(self, block, sizes):
-        """In the long form: Verilator reads the RTL in each of ``sizes`` {parameter: value}, with no warning
-        but of bits that are not used: no width is wrong, and none is refused that the twin takes."""
+        """In the long form, Verilator reads the RTL in each of ``sizes`` {parameter: value} without a
+        warning, except for unused bits: no width is wrong, and no size is refused that the twin accepts."""
         if not self.long or not toolchain.sources_of(f"msn_{block}"):
             return
         base = ["verilator", "--lint-only", "--quiet", "-Wall", "-Wno-UNUSED"]
@@ -240,11 +240,11 @@ class See:
                 raise Outside(f"msn_{block} with {size}: {(done.stdout + done.stderr).strip()[:300]}")
 
     def some(self, cases, step):
-        """All cases, in the short form every so manyth."""
+        """All cases; in the short form every ``step``-th."""
         return cases if self.long else list(cases)[::step]
 
     def covering(self, allowed=lambda **row: True, **axes):
-        """Rows of parameters in which each pair of values occurs (verify.pairs)."""
+        """Combinations of parameters that contain each pair of values (verify.pairs)."""
         found = covering(axes, allowed, self.seed)
         if not found:
             raise Outside("no combination of the parameters is allowed")
@@ -265,7 +265,7 @@ def _place(where):
 
 
 def run(name, long=False, seed=1):
-    """{facts} of a row: worst errors, cases, finding (empty if it passes). Warnings are findings too."""
+    """The facts of a row: worst errors, cases, finding (empty if it passes). Warnings are findings, too."""
     see, began, finding = See(rows()[name], long, seed), time.process_time(), ""
     try:
         with warnings.catch_warnings():
@@ -289,7 +289,7 @@ def run(name, long=False, seed=1):
 
 @cache
 def digest(name):
-    """Eight digits that change when what a row rests on does: sources, twin, the row's file, references."""
+    """Eight digits that change with what a row rests on: sources, twin, the row's file, references."""
     found = rows()[name]
     files = {found.source, "tools/verify/extremes.py", "tools/verify/pairs.py", *found.files}
     files |= {

@@ -1,4 +1,4 @@
-"""Fault injection into a block: its tests' recording, a Verilated build of it, what each fault leads to."""
+"""Fault injection into a block: record its tests, Verilate the block, run it with each fault."""
 
 import hashlib
 import os
@@ -15,7 +15,7 @@ from verify import benches, evidence, initial, revision
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
 ENGINES = toolchain.ROOT / "model/meissner/engines"  # the converters' models
 WORK = toolchain.BUILD / "faults"
-LONG_S = 3600  # by the clock: a build on a busy machine
+LONG_S = 3600  # wall-clock time; a build on a busy machine may be slow
 COLUMNS = ("injected", "masked", "recovered", "detected", "told", "late", "kept", "silent")
 
 
@@ -33,7 +33,7 @@ def blocks():
 
 
 def stated(block, key, otherwise):
-    """What the block's tests state of its faults (evidence.KEYS)."""
+    """The value of ``key`` that the block's tests state for its faults (evidence.KEYS)."""
     return evidence.of(block, "faults").get(key, otherwise)
 
 
@@ -47,7 +47,7 @@ def _header(source, block):
 
 
 def wrapper(block, source):
-    """A top around the block, for a register that is a port of the top cannot be upset."""
+    """A top around the block, since a register that is a port of the top cannot be upset."""
     header, names = _header(source, block)
     given = ", ".join(f".{name}({name})" for name in names)
     given = f"#({given}) " if given else ""
@@ -55,7 +55,7 @@ def wrapper(block, source):
 
 
 def run_of(block):
-    """The arguments of the bench that is recorded: the first of the block's own that is not refused."""
+    """The arguments of the bench run to record: the block's first own run with the stated size."""
     told = [run for run in benches.runs(block) if run["block"] == block and run["module"] == f"test_{block}"]
     wanted = stated(block, "size", {})
     told = [run for run in told if evidence.fits(wanted, run["parameters"])]
@@ -65,12 +65,12 @@ def run_of(block):
 
 
 def program_parameters(block):
-    """The parameters of the program: the recording's, but what the tests state otherwise."""
+    """The parameters of the program: those of the recording, except where the tests state others."""
     return run_of(block)["parameters"] | _spelt(stated(block, "program", {}))
 
 
 def recording(block):
-    """Path of what the block's tests drive; made now if there is none of these sources."""
+    """Path of the recording of the block's tests; made now if there is none for these sources."""
     run = run_of(block)
     test = toolchain.ROOT / f"tb/{run['stage']}/test_{block}.py"
     inputs = [test, *sorted(revision.imports(test))]
@@ -85,7 +85,7 @@ def recording(block):
         call = "import bench; bench.run({stage!r}, {block!r}, {parameters!r}, {test_filter!r}, "
         call += "sources={sources!r})"
         text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
-        paths = [str(toolchain.ROOT / folder) for folder in ("tb", "tools")]  # as pyproject.toml has it
+        paths = [str(toolchain.ROOT / folder) for folder in ("tb", "tools")]  # as in pyproject.toml
         paths = os.pathsep.join([*paths, *filter(None, [os.environ.get("PYTHONPATH")])])
         source = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text()
         ports = re.findall(
@@ -124,7 +124,7 @@ def _do(what, command, cwd=None):
         raise RuntimeError(f"{what} did not build:\n{done.stdout}{done.stderr}")
 
 
-# Without assertions: what an upset brings about is judged by what comes out.
+# Without assertions: the effect of an upset is judged by the outputs alone.
 VERILATE = (
     "--cc",
     "--build",
@@ -145,7 +145,7 @@ def _digest(*parts):
 
 
 def _compiled(source, folder, *flags):
-    """Path of an object file of this C++ source, which sees Verilator's headers."""
+    """Path of the object file of this C++ source, compiled with Verilator's headers."""
     include = Path(toolchain.environment()["VERILATOR_ROOT"]) / "include"
     target = folder / f"{source.stem}-{_digest(source, flags, *sorted(ENGINES.glob('*.hpp')))}.o"
     if not target.exists():
@@ -166,7 +166,7 @@ def _compiled(source, folder, *flags):
 
 
 def program(block):
-    """Path of the block behind the driver; built now if there is none of these sources."""
+    """Path of the block's program with the driver; built now if there is none for these sources."""
     parameters = program_parameters(block)
     sources = toolchain.sources_of(f"msn_{block}")
     own = next(path for path in sources if path.stem == f"msn_{block}").read_text()
@@ -191,13 +191,13 @@ def program(block):
 
 
 def settings():
-    """The settings among the state of msn_registers: its output, what waits, and that it does."""
+    """The state of msn_registers that holds settings: its output, waiting values, and their pending flags."""
     source = next(path for path in toolchain.sources() if path.stem == "msn_registers").read_text()
     return ["cfg_o", *re.findall(r"^\s*logic (?:\[\d+:0\] )?(\w+_(?:q|pending));$", source, re.M)]
 
 
 def placed(text):
-    """The option ``set`` with each GROUP.SETTING as its bits of the block's port cfg_i."""
+    """The option ``set`` with each GROUP.SETTING replaced by its bits of the block's port cfg_i."""
 
     def bits(found):
         group, setting = found.groups()
@@ -210,7 +210,7 @@ def placed(text):
 
 
 def inject(block, count, seed):
-    """``count`` upsets and a share of every other fault; a Result for each."""
+    """Inject ``count`` upsets and a share of every other fault; a Result for each."""
     around, instance = stated(block, "inside", (block, ""))
     options = stated(around, "driver", {})
     if "set" in options:
@@ -224,11 +224,11 @@ def inject(block, count, seed):
         told += _run(around, count, seed, options | writes | {"alone": 1})
     tables = initial.only(toolchain.sources_of(f"msn_{around}"), f"msn_{around}", program_parameters(around))
     told = [result for result in told if not result.where.startswith(tuple(f"{name}[" for name in tables))]
-    return [result for result in told if result.outcome != "constant"]  # no state, see the driver
+    return [result for result in told if result.outcome != "constant"]  # not state; see the driver
 
 
 def kept_of(block):
-    """Names of what the block keeps by design, that of the blocks in it and settings among it."""
+    """Names of the state that the block keeps by design, including that of inner blocks and settings."""
     kept = str(stated(block, "driver", {}).get("kept", "")).split()
     for instance, other in stated(block, "kept_inside", {}).items():
         kept += inside(instance, kept_of(other))
@@ -236,7 +236,7 @@ def kept_of(block):
 
 
 def inside(instance, names):
-    """These names in this instance only."""
+    """These names, restricted to this instance."""
     return [f"{instance}.&{name}" for name in names]
 
 
@@ -267,7 +267,7 @@ def total(blocks):
 
 
 def table(blocks):
-    """The recorded facts of all blocks {name: facts}, as the table of docs/faults.md."""
+    """The table of docs/faults.md from the recorded facts of all blocks {name: facts}."""
     named = {"told": "reported", "silent": "undetected"}
     rows = [["block", *(named.get(key, key) for key in COLUMNS)], ["---"] * (1 + len(COLUMNS))]
     rows += [[f"`{name}`", *(str(facts.get(key, 0)) for key in COLUMNS)] for name, facts in blocks.items()]

@@ -1,39 +1,39 @@
-// Faults put into any Verilated block behind a wrapper: an undisturbed run of a recording, then one run for each
-// fault, compared with it. Knows a block only by the names of its ports and by what Verilator tells of its variables.
+// Injects faults into a Verilated block inside a wrapper: one run of a recording without a fault, then one run per
+// fault, compared with it. It knows a block only by its port names and by Verilator's list of variables.
 //
 //   faults RECORDING FAULTS SEED SETTLE [KEY=VALUE ...]    prints a line for each fault: kind, where, clock, outcome, what
 //
-//   frame=PORT[:VALUE]  of a block without streams: a frame begins where this input is 1, or this value
-//   when=PORT    only where this one is 1, too
-//   idle=PORT:N  of one that listens to a line: a frame begins after N rows in which it is 1
-//   join=1       all pieces of the recording one after the other, where the longest has too few frames
-//   repeat=N     the recording N times, where it has too few frames
-//   slow=N       N rows without anything valid after each
-//   end=VALUE    of a stream out without `last`: what ends a frame
-//   packets=1    the stream out is packets: what a receiver makes of them, which leaves out those whose checksum is
-//                wrong and tells of them and of numbers that are left out; without numbers and times
-//   bus=1        a bus out of the block is answered two clocks after it asks, by what follows from the address
-//   inputs=NAMES those whose names do not say it
-//   write=A:D,.. of one with a bus that runs by itself: registers, in hexadecimal, that are written at any clock;
-//                before=A:D,.. those written long before. Each frame must be wholly of the old or the new ones
-//   strobe=PORT  the other outputs count only where this one is 1
-//   only=NAME    bits of state only whose names hold this
-//   phases=N     windows of up to N frames, which a fault may let begin in another frame
-//   kept=NAMES   what is written and then kept by design: an upset of it stays until it is written again
-//   late=NAMES   of one that runs by itself: what counts the clocks to its next frame
+//   frame=PORT[:VALUE]  for a block without streams: a frame begins where this input is 1, or has this value
+//   when=PORT    only while this input is 1, too
+//   idle=PORT:N  for a block that receives a line: a frame begins after N rows in which this input is 1
+//   join=1       use all pieces of the recording in sequence, if the longest one has too few frames
+//   repeat=N     use the recording N times, if it has too few frames
+//   slow=N       add N rows without anything valid after each row
+//   end=VALUE    for an output stream without `last`: the value that ends a frame
+//   packets=1    the output stream carries packets: compare what a receiver decodes, without numbers and times; packets
+//                with a wrong checksum are left out, and they and missing numbers are reported
+//   bus=1        answer a bus that leaves the block two clocks after a request, with data derived from the address
+//   inputs=NAMES inputs that their names do not identify as inputs
+//   write=A:D,.. for a free-running block with a bus: registers (hexadecimal) that are written at a given clock;
+//                before=A:D,.. those written long before. Each frame must use either the old or the new values
+//   strobe=PORT  the other outputs count only while this one is 1
+//   only=NAME    upset only state bits whose names contain this
+//   phases=N     windows of up to N frames, which after a fault may begin at another frame
+//   kept=NAMES   state that is written and then kept by design: an upset of it stays until it is written again
+//   late=NAMES   in a free-running block: state that counts the clocks to its next frame
 //   skip=KIND    no faults of this kind
-//   free=CLOCKS  the block runs by itself, its inputs as they were most of the recording; with part=N (of
-//                msn_pkg::adc_part_e), lanes=N a converter at its pins, whose codes follow from row, group and channel.
-//                Frames may then shift in time: each must be one of the undisturbed run's
-//   carrier=N    the codes are those of a carrier, a quarter of whose period is N words
-//   lead=ROWS    of one that runs by itself: that much of the recording first, which writes tables
-//   set=PORT:VALUE,..  these inputs at other values than those of the recording, in hexadecimal; of a struct
+//   free=CLOCKS  the block runs by itself, each input at its most frequent value in the recording; with part=N (of
+//                msn_pkg::adc_part_e), lanes=N a converter at its pins, whose codes depend on row, group and channel.
+//                Frames may then shift in time: each must be a frame of the run without a fault
+//   carrier=N    the codes are those of a carrier; a quarter period lasts N words
+//   lead=ROWS    for a free-running block: first play this many rows of the recording, which write tables
+//   set=PORT:VALUE,..  hexadecimal values that replace those of the recording at these inputs; for a struct
 //                      PORT[HIGH:LOW]:VALUE, for which a test writes GROUP.SETTING:VALUE
-//   quiet=NAMES  streams out that give less than a few frames
-//   ready=NAMES  streams out that are not stalled by chance: what they could not give in time comes in another frame
+//   quiet=NAMES  output streams that may have only a few frames
+//   ready=NAMES  output streams that are never stalled at random, since a stall would move data to another frame
 //
-// A stream into the block is NAME_valid_i with NAME_ready_o; out of it NAME_valid_o with NAME_ready_i. A beat of a
-// stream is offered until it is taken, so the recording waits for the block; streams out are stalled by chance.
+// An input stream is NAME_valid_i with NAME_ready_o, an output stream NAME_valid_o with NAME_ready_i. A beat is offered
+// until the block takes it, so the recording waits for the block; output streams are stalled at random.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -54,7 +54,7 @@
 
 #include "adc_parts.hpp"  // of model/meissner/engines
 
-// The block behind its wrapper, see faults.py: so that this file is compiled once for all blocks.
+// The block in its wrapper (see faults.py), declared so that this file is compiled only once for all blocks.
 struct Block;
 Block *block_new(VerilatedContext *context);
 void block_delete(Block *block);
@@ -78,11 +78,11 @@ long option(const std::string &key, long otherwise) {
 }
 
 std::vector<Port> ports;
-std::vector<Words> rows;  // the values of all ports, one after the other
-std::vector<int> offset;  // of a port in a row
+std::vector<Words> rows;  // each has the values of all ports in sequence
+std::vector<int> offset;  // of each port in a row
 std::map<std::string, int> number;
 
-// A bit of state, or of what might be some.
+// A bit of a variable, which may be state.
 struct Cell {
   std::string name;
   uint8_t *byte;
@@ -111,7 +111,7 @@ struct Model {
     }
   }
   ~Model() {
-    Verilated::threadContextp(&context);  // scopes take leave of the thread's context, whichever that is
+    Verilated::threadContextp(&context);  // the scopes' destructors use the current thread's context
     block_delete(top);
   }
 
@@ -172,11 +172,11 @@ struct Model {
 struct Stream {
   std::string name;
   int valid = -1, ready = -1, last = -1;
-  int restart = -1;  // a flag: what follows does not continue what came before
+  int restart = -1;  // a flag: the data do not continue the earlier ones
   std::vector<int> payload;
 };
 std::vector<Stream> sources, sinks;
-std::vector<int> levels, flags;  // outputs of no stream; of these, what tells of damage
+std::vector<int> levels, flags;  // outputs outside streams; the flags report damage
 int reset_port = -1;
 int strobe = -1;
 
@@ -198,7 +198,7 @@ std::vector<std::string> names(const std::string &key) {
   for (std::string name; std::getline(text, name, ',');) found.push_back(name);
   return found;
 }
-// Does it hold one of these, of which "A&B" is A and B?
+// Whether the text contains one of the parts; "A&B" needs both A and B.
 bool holds(const std::string &text, const std::vector<std::string> &parts) {
   for (const auto &part : parts) {
     bool all = true;
@@ -217,7 +217,7 @@ int find(const std::string &name) {
 void sort_ports() {
   std::vector<bool> used(ports.size());
   for (const auto &port : ports) {
-    if (ends(port.name, "valid")) {  // of AXI
+    if (ends(port.name, "valid")) {  // AXI
       const std::string stem = port.name.substr(0, port.name.size() - 5);
       Stream stream{stem, find(port.name), find(stem + "ready"), -1, -1, {}};
       used[stream.valid] = used[stream.ready] = true;
@@ -240,7 +240,7 @@ void sort_ports() {
       for (const auto &other : ports) {
         const int n = find(other.name);
         if (!in && (other.name == stem + "frame_o" || other.name == stem + "time_o")) {
-          used[n] = true;  // numbers, not samples
+          used[n] = true;  // frame numbers and times, not samples
           continue;
         }
         if (!in && other.name == stem + "restart_o") {
@@ -248,8 +248,8 @@ void sort_ports() {
           stream.restart = n;
           continue;
         }
-        if (!in && other.bits == 32 && tells(other.name)) continue;  // a counter beside the stream
-        if (!in && options.count("packets") && other.name != stem + "data_o") continue;  // bytes alone
+        if (!in && other.bits == 32 && tells(other.name)) continue;  // a counter with the stream's name
+        if (!in && options.count("packets") && other.name != stem + "data_o") continue;  // only the bytes
         if (other.in == in && n != stream.valid && stem.size() > 1 && other.name.rfind(stem, 0) == 0) {
           stream.payload.push_back(n);
           used[n] = true;
@@ -297,13 +297,13 @@ void read(const char *path) {
         row[offset[n] + at] = static_cast<uint32_t>(std::stoul(value.substr(begin, end - begin), nullptr, 16));
       }
     }
-    // Another reset begins another piece.
+    // Each reset begins a new piece.
     if (reset_port >= 0 && row[offset[reset_port]] && !parts.back().empty() &&
         !parts.back().back()[offset[reset_port]])
       parts.emplace_back();
     parts.back().push_back(row);
   }
-  // The piece in which most happens: beats taken, or inputs that change.
+  // Choose the piece with the most activity: beats taken, or inputs that change.
   size_t best = 0, most = 0;
   for (size_t p = 0; p < parts.size(); ++p) {
     size_t score = 0;
@@ -314,7 +314,7 @@ void read(const char *path) {
         for (const auto &s : sources) score += parts[p][r][offset[s.valid]] & parts[p][r][offset[s.ready]];
       }
     }
-    // Rather one in which nothing goes wrong as it is.
+    // Prefer a piece in which no flag reports an error.
     bool quiet = true;
     for (const int flag : flags)
       for (int w = 0; w < (ports[flag].bits + 31) / 32; ++w)
@@ -357,7 +357,7 @@ void read(const char *path) {
     }
     return;
   }
-  // A short one goes on with those that follow it, each behind its reset.
+  // A short piece is continued with the other ones, each with its reset.
   for (size_t p = 0; (parts[best].size() < 400 || options.count("join")) && p < parts.size(); ++p)
     if (p != best) parts[best].insert(parts[best].end(), parts[p].begin(), parts[p].end());
   size_t longest = static_cast<size_t>(option("rows", 3000));
@@ -368,7 +368,7 @@ void read(const char *path) {
       const bool valid = row[offset[s.valid]], ready = row[offset[s.ready]];
       offered |= valid;
       taken |= valid && ready;
-      if (valid && !ready) row[offset[s.valid]] = 0;  // it comes again in the row that takes it
+      if (valid && !ready) row[offset[s.valid]] = 0;  // the beat is repeated in the row that takes it
     }
     bool other = rows.empty();
     if (!other) {
@@ -381,7 +381,7 @@ void read(const char *path) {
         if (!streamed && rows.back()[offset[n]] != row[offset[n]]) other = true;
       }
     }
-    if (offered && !taken && !other) continue;  // only a stall: the block makes its own
+    if (offered && !taken && !other) continue;  // only a stall, which the block itself reproduces
     rows.push_back(row);
     if (rows.size() >= longest) break;
   }
@@ -435,7 +435,7 @@ struct Pins {
   int convst = find("adc_convst_o"), busy = find("adc_busy_i"), row = find("row_o"), group = find("group_o");
   long part = option("part", 0), lanes = option("lanes", 1), carrier = option("carrier", 0);
   uint64_t row_now = 0, place_before = 0;
-  long words = 0;  // of the place
+  long words = 0;  // since the place changed
   bool selected = false;
 
   Pins() {
@@ -443,7 +443,7 @@ struct Pins {
   }
   static bool at(const Model &model, int port, size_t bit) { return port >= 0 && model.word(port, bit / 32) >> bit % 32 & 1; }
 
-  // What a clock does to them, and what they then drive. Faults: BUSY held, the data line noisy or still.
+  // Advance the converters by one clock and drive their pins. Faults: BUSY held, noisy data line, over-range codes.
   void step(Model &model, bool hold, bool noise, bool over, long clock) {
     if (row >= 0 && model.word(row, 0)) row_now = model.word(row, 0);
     const uint64_t place = row_now * 64 + (group >= 0 ? model.word(group, 0) : 0);
@@ -454,7 +454,7 @@ struct Pins {
     uint32_t data = 0, held = 0;
     for (size_t lane = 0; lane < converters.size(); ++lane) {
       int32_t codes[8];
-      // Not at the ends of the range, which would be over-range.
+      // Codes away from the ends of the range, since those count as over-range.
       for (int c = 0; c < 8; ++c) codes[c] = over ? 0xffff : 0x20 + static_cast<int32_t>(chance(place * 1000 + lane * 8 + c) % 0x90);
       if (carrier) {
         const int quarter = static_cast<int>(words / carrier % 4);
@@ -475,7 +475,7 @@ struct Pins {
 enum Kind { kNone, kBit, kLost, kTwice, kLate, kLast, kGone, kStuck, kStop, kReset, kBusy, kNoise, kOver, kWrite };
 const char *kinds[] = {"none", "bit", "lost", "twice", "late", "last", "gone", "stuck", "stop", "reset", "busy", "noise",
                        "over", "write"};
-constexpr long kStopped = 2500;  // clocks that a source of data stands still
+constexpr long kStopped = 2500;  // clocks for which a data source stops
 // Clocks that a fault lasts.
 long lasts(Kind kind) {
   return kind == kStuck ? 300 : kind == kStop ? kStopped : kind == kBusy || kind == kNoise || kind == kOver ? 900 : 1;
@@ -483,9 +483,9 @@ long lasts(Kind kind) {
 
 struct Fault {
   Kind kind = kNone;
-  long clock = 0;   // of a bit, a reset
+  long clock = 0;   // of an upset or a reset
   size_t row = 0;   // of a beat
-  size_t count = 1;  // of rows whose beats are gone
+  size_t count = 1;  // of rows whose beats are removed
   int source = 0;
   size_t cell = 0;
 };
@@ -497,11 +497,11 @@ struct Beat {
   Words words;
 };
 struct Trace {
-  std::vector<std::vector<Beat>> out;           // of each sink
-  std::vector<std::pair<size_t, Words>> level;  // of each row, when there is no sink
-  Words flag;                                   // the flags' last values, in how many clocks each was up, or how often a counter changed
+  std::vector<std::vector<Beat>> out;           // per sink
+  std::vector<std::pair<size_t, Words>> level;  // per row, if there is no sink
+  Words flag;                                   // each flag's last value, and the clocks in which it was 1 or the changes of a counter
   std::vector<size_t> row_of_clock;
-  std::vector<size_t> restarts;                 // rows in which a follower was told to begin anew
+  std::vector<size_t> restarts;                 // rows in which a follower was told to restart
   bool hung = false;
 };
 
@@ -537,7 +537,7 @@ uint32_t checksum(const Words &bytes, size_t count) {
   return ~crc;
 }
 
-// A frame that came out: of a sink, up to its last beat; of packets, what a receiver keeps.
+// An output frame of a sink, up to its last beat; for packets, the data that a receiver keeps.
 struct Frame {
   size_t row;
   long clock;
@@ -591,7 +591,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
   static const bool bus = options.count("bus");
   static const int asks = bus ? find("bus_valid_o") : -1, asked_at = find("bus_address_o"), writes = find("bus_write_o"),
                    done = find("bus_done_i"), error = find("bus_error_i"), answer = find("bus_rdata_i");
-  bool asked = false, answers = false;  // a clock ago, two clocks ago
+  bool asked = false, answers = false;  // one clock ago, two clocks ago
   uint32_t word = 0, next_word = 0;
   const bool free = options.count("free");
   const size_t drain = free ? 0 : 3000;
@@ -601,7 +601,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
   for (size_t r = 0; r < rows.size() + drain; ++r) {
     const bool draining = r >= rows.size();
     Words row = draining ? rows.back() : rows[r];
-    std::vector<int> left(sources.size());  // beats of this row to give
+    std::vector<int> left(sources.size());  // beats of this row still to offer
     for (size_t s = 0; s < sources.size(); ++s) {
       left[s] = !draining && row[offset[sources[s].valid]];
       if (left[s] && fault.row == r && static_cast<int>(s) == fault.source) {
@@ -681,7 +681,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
     }
     if (draining && quiet > 400) break;
   }
-  if (options.count("packets")) {  // a receiver's count
+  if (options.count("packets")) {  // a receiver's count of damaged packets
     long damaged = 0;
     for (const auto &out : trace.out) frames_of(out, &damaged);
     trace.flag.push_back(static_cast<uint32_t>(damaged));
@@ -692,8 +692,8 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
   }
 }
 
-constexpr size_t kFew = 3;  // fewer frames than these show nothing
-// Frames of the stream that gives fewest from this row on; of outputs of no stream, their changes.
+constexpr size_t kFew = 3;  // the fewest frames that allow a comparison
+// The least number of frames of any output stream from this row on; without streams, the changes of the outputs.
 size_t fewest(const Trace &trace, size_t from) {
   const auto quiet = names("quiet");
   size_t least = SIZE_MAX;
@@ -710,7 +710,7 @@ size_t fewest(const Trace &trace, size_t from) {
   return least;
 }
 
-// Does every frame of ``bad`` that begins at ``from`` or later occur in ``good``, and is there one?
+// Whether ``bad`` has frames that begin at ``from`` or later, and each of them occurs in ``good``.
 bool among(const std::vector<Beat> &bad, const std::vector<Beat> &good, long from, bool *none = nullptr) {
   const auto known = frames_of(good);
   bool any = none != nullptr;
@@ -724,7 +724,7 @@ bool among(const std::vector<Beat> &bad, const std::vector<Beat> &good, long fro
   return any || known.empty();
 }
 
-// The second half: the first may show what a reset leaves as it was, payload that is not valid yet.
+// Compares the second half only: before that, state that a reset does not clear may show in outputs not yet valid.
 bool late_same(const Trace &a, const Trace &b) {
   for (size_t s = 0; s < a.out.size(); ++s) {
     const auto &x = a.out[s], &y = b.out[s];
@@ -752,9 +752,9 @@ bool same(const Trace &a, const Trace &b) {
   return true;
 }
 
-// What the end of a run, from what came of row ``from`` on, has otherwise than ``golden``; empty: nothing.
+// A description of the first difference from ``golden`` in the output of the rows from ``from`` on; empty if none.
 std::string differs(const Trace &trace, const Trace &golden, size_t from) {
-  if (options.count("packets")) {  // each is one that was to come, and none is missing; other ones may go first
+  if (options.count("packets")) {  // each one is expected and none is missing; their order is free
     for (size_t s = 0; s < sinks.size(); ++s) {
       const auto good = frames_of(golden.out[s]), bad = frames_of(trace.out[s]);
       const auto in = [](const Frame &one, const std::vector<Frame> &all) {
@@ -802,7 +802,7 @@ int main(int argc, char **argv) {
   {
     Model model;
     play(model, golden, nullptr, Fault{}, seed, true);
-    // State is what keeps a changed value until a clock comes.
+    // State bits are those that keep a changed value until the next clock.
     auto cells = model.cells();
     model.low();
     for (size_t c = 0; c < cells.size(); ++c) {
@@ -836,7 +836,7 @@ int main(int argc, char **argv) {
     }
   }
 
-  // Where a frame begins: at the row after one whose first source gave its last beat.
+  // Frames begin at the row after one with a last beat of the first source.
   std::vector<size_t> begins;
   const std::string framed = options.count("frame") ? options["frame"] : "";
   if (!settle) settle = sources.empty() || sources[0].last < 0 ? 8 : 1;
@@ -865,7 +865,7 @@ int main(int argc, char **argv) {
     }
   }
 
-  // The faults: every register's bits in turn, memories' by chance; then those of the streams.
+  // The faults: all registers' bits in turn and random bits of memories; then those of streams.
   std::vector<Fault> faults;
   Model shape;
   const auto cells = shape.cells();
@@ -873,13 +873,13 @@ int main(int argc, char **argv) {
   for (const size_t c : state)
     if (cells[c].name.find(options["only"]) != std::string::npos) (cells[c].memory ? memory : registers).push_back(c);
   const long clocks = static_cast<long>(golden.row_of_clock.size());
-  long last_clock = 0;  // the latest at which enough frames follow
+  long last_clock = 0;  // the latest clock after which enough frames follow
   size_t last_frame = begins.size() > settle + 3 ? begins.size() - settle - 3 : 0;
-  // What recovers must be seen to: frames come out from there on.
+  // Recovery must be observable, so enough frames must follow.
   while (!options.count("free") && !sinks.empty() && last_frame && fewest(golden, begins[last_frame + settle]) < kFew) --last_frame;
   const size_t after = last_frame ? begins[last_frame] : 0;
   while (last_clock < clocks && golden.row_of_clock[last_clock] < after) ++last_clock;
-  long interval = 1;  // clocks of the longest frame, where they come by themselves
+  long interval = 1;  // clocks of the longest frame in a free-running block
   if (options.count("free")) {
     last_clock = clocks / 2;
     for (const auto &out : golden.out) {
@@ -897,7 +897,7 @@ int main(int argc, char **argv) {
     const size_t index = static_cast<size_t>(word && !registers.empty() ? n / 4 : memory.empty() ? n : n - n / 4);
     faults.push_back({kBit, any_clock(), 0, 1, 0, from[index % from.size()]});
   }
-  bool checks = sources.empty();  // lost and doubled beats are for those who look for them
+  bool checks = sources.empty();  // lost and doubled beats: only for blocks that check
   for (const auto &port : ports) checks |= port.name.find("damaged") != std::string::npos;
   {
     std::vector<std::pair<size_t, int>> beats;
@@ -925,7 +925,7 @@ int main(int argc, char **argv) {
     for (long n = 0; n < each && !sinks.empty() && wanted("stuck"); ++n) faults.push_back({kStuck, any_clock(), 0, 1, 0, 0});
     for (long n = 0; n < 2 * each && reset_port >= 0; ++n) faults.push_back({kReset, n, 0, 1, 0, 0});
   }
-  // Writes at clocks spread over a frame, and what comes of writing before the first one.
+  // Writes at clocks spread over a frame, and a reference run with the write before the first frame.
   Trace written;
   if (options.count("write")) {
     const long writes = option("writes", 100);
@@ -959,7 +959,7 @@ int main(int argc, char **argv) {
     rows = whole;
   }
 
-  auto kept = names("kept");  // what is meant to be kept
+  auto kept = names("kept");  // state kept by design
   if (options["kept"] == "all") kept = {""};
   const auto late = names("late");
 
@@ -968,10 +968,10 @@ int main(int argc, char **argv) {
     const auto here = model.cells();
     Trace trace;
     const auto &cell = here[fault.cell];
-    const bool level = fault.kind == kBit && (*cell.byte & cell.mask);  // at rest
+    const bool level = fault.kind == kBit && (*cell.byte & cell.mask);  // before the run
     play(model, trace, &here, fault, seed, true);
     std::string outcome = "silent", what;
-    if (fault.kind == kReset) {  // and all from the beginning, in the same block
+    if (fault.kind == kReset) {  // then the whole recording again in the same block
       Trace again;
       play(model, again, &here, Fault{}, seed, false);
       outcome = late_same(again, golden) ? "recovered" : "silent";
@@ -979,7 +979,7 @@ int main(int argc, char **argv) {
       size_t row = fault.row;
       if (fault.kind == kGone) row += fault.count - 1;
       if (fault.kind == kBit || fault.kind >= kStuck) row = golden.row_of_clock[fault.clock];
-      // A fault in a frame's last beat or in the pause behind it is one of the next frame.
+      // A fault in a frame's last beat or in the pause after it counts for the next frame.
       const auto next = std::upper_bound(begins.begin(), begins.end(), row + 1);
       const size_t from = next + settle - 1 < begins.end() ? *(next + settle - 1) : rows.size();
       const bool flagged = trace.flag != golden.flag || trace.restarts != golden.restarts;
@@ -988,7 +988,7 @@ int main(int argc, char **argv) {
       if (free) {
         for (size_t s = 0; s < sinks.size() && right; ++s) {
           const long clear = fault.clock + lasts(fault.kind) + static_cast<long>(settle) * interval;
-          if (fault.kind == kWrite) {  // from the very clock on: the old or the new, and in the end the new
+          if (fault.kind == kWrite) {  // from this clock on the old or the new values, at the end only the new
             auto either = golden.out[s];
             while (!either.empty() && !either.back().last) either.pop_back();
             either.insert(either.end(), written.out[s].begin(), written.out[s].end());
@@ -1001,27 +1001,27 @@ int main(int argc, char **argv) {
       } else if (right) {
         what = differs(trace, golden, from);
         right = what.empty();
-        // Windows that begin in another frame are right too.
+        // Windows that begin at another frame are right, too.
         for (size_t k = 0; k < shifted.size() && !right; ++k) right = differs(trace, shifted[k], from - removed[k]).empty();
       }
       if (right) outcome = same(trace, golden) ? (flagged ? "detected" : "masked") : flagged ? "detected" : "recovered";
       else if (flagged && !trace.hung && fault.kind != kWrite) outcome = "told";
-      // A count of clocks to the next frame that was made longer: none has come, and none that is wrong.
+      // The count of clocks to the next frame was made longer: no frame arrives, or only correct ones.
       if (!right && free && fault.kind == kBit && outcome == "silent" && holds(cell.name, late)) {
-        bool all = true;  // streams
+        bool all = true;  // in all streams
         for (size_t s = 0; s < sinks.size(); ++s) {
           bool none = false;
           all &= among(trace.out[s], golden.out[s], fault.clock + static_cast<long>(settle) * interval, &none);
         }
         if (all) outcome = "late";
       }
-      if (!right && outcome != "late") {  // does a reset with all that was written heal it?
+      if (!right && outcome != "late") {  // check whether a reset and all writes again repair it
         Trace again;
         if (reset_port >= 0) model.set(reset_port, true);
         play(model, again, &here, Fault{}, seed, true);
         outcome = outcome == "told" ? "told" : "silent";
         const bool healed = late_same(again, golden);
-        // What not even a reset and all that follows it drives is a constant that this build keeps in a variable.
+        // A bit that neither a reset nor anything after it changes is a constant that this build keeps in a variable.
         if (!healed && fault.kind == kBit && !cell.memory && ((*cell.byte & cell.mask) != 0) != level) outcome = "constant";
         if (!healed) what += ", and not after a reset";
         if (healed && outcome == "silent" && fault.kind == kBit && holds(cell.name, kept)) outcome = "kept";

@@ -1,8 +1,8 @@
-"""Inside the simulator: runs the regression once for every mutant, each in a fork of the process.
+"""Runs inside the simulator: repeats the regression for every mutant, each in a fork of the process.
 
-Named as the first of the cocotb test modules, it takes the place of the regression manager's start. The
-simulation is loaded once; a child sets `mutsel` and goes on as the ordinary regression does, up to the first
-test that fails. Verdicts go to the file that the settings name, in the environment variable MEISSNER_MUTANTS.
+It is listed as the first cocotb test module and replaces the start of the regression manager. The simulation
+is loaded once; a child sets `mutsel` and continues with the ordinary regression up to the first failing test.
+The environment variable MEISSNER_MUTANTS has the settings, which name the file for the verdicts.
 """
 
 import json
@@ -27,11 +27,11 @@ _start, _score, _tear_down = (
 
 
 def _fork(manager, number, cpu_s, report):
-    """Start the child of mutant ``number``; returns its process id, and in the child None."""
+    """Start the child for mutant ``number``; returns its process id, and None in the child."""
     child = os.fork()
     if child:
         return child
-    signal.setitimer(signal.ITIMER_PROF, cpu_s)  # of processor time, as the machine may be busy
+    signal.setitimer(signal.ITIMER_PROF, cpu_s)  # CPU time, since the machine may be busy
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 1)

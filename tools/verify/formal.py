@@ -1,11 +1,11 @@
-"""Proofs of the blocks by k-induction: Yosys makes SMT-LIB of a harness in tb/formal, two solvers judge it.
+"""Proofs of the blocks by k-induction: Yosys turns a harness in tb/formal into SMT-LIB for two solvers.
 
-    proofs()                 what tb/formal/proofs.toml lists, {name: Proof}
+    proofs()                 the entries of tb/formal/proofs.toml, {name: Proof}
     shipped()                {block: {parameters: [where, ...]}} of named configurations and defaults
     prove(proof, parameters, where)    Result
 
-yosys-smtbmc is called directly: the few steps that sby would script are a single Yosys call here, made once a
-parameter set for every mode and both solvers.
+yosys-smtbmc is called directly: the few steps that sby would script are one Yosys call here per parameter
+set, shared by all modes and both solvers.
 """
 
 import json
@@ -37,11 +37,11 @@ class Proof:
     k: int = 0
     cover: int = 0
     solvers: tuple = SOLVERS
-    sets: tuple = ()  # in place of the shipped ones
-    more: tuple = ()  # beside them
+    sets: tuple = ()  # parameter sets, instead of the shipped ones
+    more: tuple = ()  # additional parameter sets
     ignore: tuple = ()  # parameters of the block that the harness does not have
     quick: bool = False
-    mutants_at: dict = field(default_factory=dict)  # parameters at which it is tested with mutants
+    mutants_at: dict = field(default_factory=dict)  # parameters for the test with mutants
     limit_s: int = 200
 
     @property
@@ -51,7 +51,7 @@ class Proof:
 
 @dataclass
 class Result:
-    """What came of a proof at a parameter set; ``wrong`` is empty if all held."""
+    """The result of a proof at a parameter set; ``wrong`` is empty if it holds."""
 
     proof: Proof
     parameters: dict
@@ -75,9 +75,9 @@ def _number(bits):
 
 
 def _elaborated(script, stem):
-    """(block, parameters) of each msn_ module of the design that Yosys's ``script`` makes."""
+    """(block, parameters) of each msn_ module in the design that Yosys's ``script`` builds."""
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
-    stem = f"{stem}.{os.getpid()}"  # several programs may ask at once
+    stem = f"{stem}.{os.getpid()}"  # several processes may run this at the same time
     script = f"{yowasp.read_rtl()}; {script}; delete */p:* */m:* %u; write_json {stem}.json"
     yowasp.yosys(script, f"{stem}.log")
     modules = json.loads((ROOT / f"{stem}.json").read_text())["modules"]
@@ -91,7 +91,7 @@ def _elaborated(script, stem):
 
 @cache
 def shipped():
-    """{block: {parameters: [where, ...]}}: the defaults, and what named configurations have in the core."""
+    """{block: {parameters: [where, ...]}}: the defaults, and the core's values in named configurations."""
     found = defaultdict(lambda: defaultdict(list))
     for block, parameters in _elaborated("", f"{OUT}/default"):
         found[block][parameters].append("default")
@@ -105,7 +105,7 @@ def shipped():
 
 
 def sets(proof):
-    """[(parameters, [where, ...])] at which ``proof`` is to hold."""
+    """[(parameters, [where, ...])] for which ``proof`` must hold."""
     if proof.sets:
         return [(dict(values), ["chosen"]) for values in proof.sets]
     merged = {}
@@ -118,22 +118,22 @@ def sets(proof):
 
 
 def sources(proof):
-    """The harness's files: the block's RTL, the checkers that proofs share, and its own."""
+    """The files of a proof: the block's RTL, the shared checkers, and the harness."""
     shared = sorted((ROOT / FOLDER).glob("owed_*.sv"))
     files = [*toolchain.sources_of(f"msn_{proof.block}"), *shared, ROOT / FOLDER / f"{proof.name}.sv"]
     return [str(path.relative_to(ROOT)) for path in files]
 
 
 def read(proof, parameters):
-    """Yosys's commands up to a flat design of processes turned into registers; what nobody drives may be
-    anything at any time, before `opt` can choose a value for it."""
+    """Yosys commands that make a flat design with registers. Undriven signals become free in every clock,
+    before `opt` can choose a value for them."""
     given = {key: _literal(value) for key, value in parameters.items()}
     slang = by_slang(sources(proof), f"formal_{proof.name}", given)
     return f"{slang}; proc; flatten; setundef -undriven -anyseq"
 
 
 def by_slang(files, top, parameters, options=""):
-    """Yosys's command that has slang read ``files``, with ``top``'s parameters as they are spelt."""
+    """The Yosys command that reads ``files`` with slang; ``top``'s parameters are passed as written."""
     given = " ".join(f"-G {key}={value}" for key, value in parameters.items())
     return f"read_slang --threads 1 {options} {given} {' '.join(files)} --top {top}"
 
@@ -149,7 +149,7 @@ LOWER = (
 
 
 def lower(proof, stem):
-    """Yosys's commands from there to SMT-LIB."""
+    """The Yosys commands from the design of ``read`` to SMT-LIB."""
     return LOWER.format(top=f"formal_{proof.name}", stem=stem)
 
 
@@ -158,7 +158,7 @@ def stem_of(proof, index):
 
 
 def smtbmc(stem, tag, solver, options, limit_s):
-    """yosys-smtbmc's verdict, True or False, and seconds. ToolError if it gives none in ``limit_s``."""
+    """(whether yosys-smtbmc passed, seconds). ToolError if it gives no answer within ``limit_s``."""
     begun, log = time.monotonic(), f"{stem}.{tag}.{solver}.log"
     try:
         said = yowasp.tool(
@@ -168,7 +168,7 @@ def smtbmc(stem, tag, solver, options, limit_s):
         said = (ROOT / log).read_text()
         if "EOF response" in said:
             raise yowasp.ToolError(f"{solver} gave no answer in {limit_s} s; see {log}") from None
-        if not re.search("Status: (FAILED|PREUNSAT)", said):  # the second: what it assumes cannot be
+        if not re.search("Status: (FAILED|PREUNSAT)", said):  # PREUNSAT: contradictory assumptions
             raise
     return "Status: PASSED" in said, time.monotonic() - begun
 
@@ -181,7 +181,7 @@ def failed_at(stem, tag, solver):
 
 
 def steps(proof):
-    """(tag, smtbmc's options, what its failure means) of each solver's runs; covers need one solver only."""
+    """(tag, smtbmc's options, meaning of a failure) for each solver's runs; covers need only one solver."""
     yield "base", ["-t", str(max(proof.depth, proof.k)), "--presat"], "does not hold"
     if proof.k:
         yield "induction", ["-i", "-t", str(proof.k)], "is not inductive"

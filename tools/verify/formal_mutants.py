@@ -1,14 +1,14 @@
-"""Do the proofs see a fault? Yosys's `mutate` breaks a block inside its harness, one mutant at a time.
+"""Test the proofs: Yosys's `mutate` breaks a block inside its harness, and the proof should fail.
 
-All mutants of a block are in one SMT-LIB file; a constraint chooses one. Only cells that a property depends
-on are broken, and only the block's: a fault in what no property reads is the affair of other evidence.
+All mutants of a block are in one SMT-LIB file; a constraint chooses one. Only cells of the block that a
+property depends on are broken; faults in logic that no property reads are left to other kinds of evidence.
 
     mutate(proof, parameters, count)    {"of", "found", "broken", "equivalent": n, "passed": [line, ...]}
 
 ``found``: a counterexample from reset; ``broken``: the proof fails, but no run from reset within its depth
-shows why; ``equivalent``: a solver shows that in no state of the proof's invariant, whatever comes in, the
-mutant changes a register, or an output that its `valid` qualifies; ``passed``: none of these. A state of the
-invariant is one after the first reset, which `started` of a harness tells.
+shows a violation; ``equivalent``: a solver shows that the mutant changes no register, and no output while its
+`valid` is 1, in any state of the proof's invariant and for any inputs; ``passed``: none of these. The
+invariant holds after the first reset, which the harness's signal `started` marks.
 """
 
 import re
@@ -21,20 +21,20 @@ from verify.formal import ROOT
 
 BITS = 10
 SEED = 1
-LIMIT_S = 60  # of a processor, to show one equivalent
+LIMIT_S = 60  # CPU time to show one mutant equivalent
 
 
 def broken_here(proof, line):
-    """Is mutant ``line`` of a cell of the block? One of a block in it that has a proof too is broken there; a
-    cell of `setundef` is no one's: it makes what nobody drives anything at any time."""
-    *_, source = "", *re.findall(r"-src (\S+):", line)  # those before it are of the wires at the cell
+    """Whether mutant ``line`` changes a cell of the block. Inner blocks with their own proofs are broken
+    there; a cell of `setundef` belongs to no block: it makes an undriven signal free."""
+    *_, source = "", *re.findall(r"-src (\S+):", line)  # the last one; the others are the wires'
     others = {other.block for other in formal.proofs().values()} - {proof.block}
     inside = source.startswith("rtl/") and Path(source).stem.removeprefix("msn_") not in others
     return inside and "$setundef" not in line
 
 
 def listed(proof, parameters, stem, count):
-    """Yosys's commands of ``count`` mutants of the block's own cells, evenly over those it lists."""
+    """Yosys commands for ``count`` mutants of the block's own cells, evenly out of those that Yosys lists."""
     script = f"{formal.read(proof, parameters)}; opt_clean; write_rtlil {stem}.il; "
     script += f"mutate -list {8 * count} -seed {SEED} -o {stem}.mut"
     yowasp.yosys(script, f"{stem}.log")
@@ -44,7 +44,7 @@ def listed(proof, parameters, stem, count):
 
 
 def verdict(proof, stem, number):
-    """What the proof says of mutant ``number``; 0: none."""
+    """The proof's verdict on mutant ``number``; 0: the unchanged block."""
     constraint = f"{stem}.{number}.smtc"
     chosen = f"(= [mutsel] #b{number:0{BITS}b})"
     (ROOT / constraint).write_text(f"always\nassume {chosen}\n")
@@ -55,7 +55,7 @@ def verdict(proof, stem, number):
         except yowasp.ToolError as error:
             if "no answer" not in str(error):
                 raise
-            holds = False  # a proof without an answer has failed
+            holds = False  # no answer counts as a failed proof
             tag = "induction"
         if not holds:
             return "found" if tag == "base" else "broken"
@@ -63,15 +63,15 @@ def verdict(proof, stem, number):
 
 
 def question(text, top, number):
-    """SMT-LIB: two copies in one state, without and with mutant ``number``, that differ outside or next."""
-    state = re.findall(rf"\(declare-fun (\|{top}#\d+(?:#0)?\|) \(\|{top}_s\|\)", text)  # #0: of a memory
+    """SMT-LIB: can two copies in one state, one with mutant ``number``, differ in outputs or next state?"""
+    state = re.findall(rf"\(declare-fun (\|{top}#\d+(?:#0)?\|) \(\|{top}_s\|\)", text)  # #0: memories
     transition = re.search(rf"\(define-fun \|{top}_t\| .*?\n\)", text, re.S)[0]
     sources = re.findall(rf"\(= (.*) \(\|{top}#\d+(?:#0)?\| next_state\)\)", transition)
     outputs = re.findall(r"; yosys-smt2-wire (\w+_o) (\d+)", text)
     chosen = re.search(rf"\(define-fun \|{top}_n mutsel\| .*?(\|{top}#\d+\|)", text)[1]
 
     def value(name, copy):
-        """A wire, or false where there is none of this name."""
+        """The value of a wire in a copy."""
         return f"(|{top}_n {name}| {copy})"
 
     names = {name for name, _ in outputs}
@@ -82,11 +82,11 @@ def question(text, top, number):
         if valid in names and name != valid and not name.endswith("ready_o"):
             one = f"(and {value(valid, 'a')} {one})"
         if "yosys-smt2-input rst_i" in text:
-            one = f"(and (not {value('rst_i', 'a')}) {one})"  # in reset they do not count
+            one = f"(and (not {value('rst_i', 'a')}) {one})"  # outputs do not count during reset
         differ.append(one)
     same = [f"(assert (= ({name} a) ({name} b)))" for name in state if name != chosen]
     if "yosys-smt2-wire started 1" in text:
-        same.append(f"(assert {value('started', 'a')})")  # the invariant says nothing before the first reset
+        same.append(f"(assert {value('started', 'a')})")  # the invariant holds only after the first reset
     return "\n".join(
         [
             "(set-logic QF_AUFBV)",
@@ -101,7 +101,7 @@ def question(text, top, number):
 
 
 def equivalent(proof, stem, number):
-    """A solver's word that mutant ``number`` makes no difference; False if it cannot say."""
+    """Whether a solver shows that mutant ``number`` makes no difference; False if it gives no answer."""
     path = ROOT / f"{stem}.{number}.smt2"
     path.write_text(question((ROOT / f"{stem}.smt2").read_text(), f"formal_{proof.name}", number))
     log = f"{stem}.{number}.equivalent.log"
@@ -112,7 +112,7 @@ def equivalent(proof, stem, number):
 
 
 def mutate(proof, parameters, count, jobs=2):
-    """Break the block of ``proof`` at ``parameters`` in ``count`` places; see the module's text."""
+    """Break the block of ``proof`` at ``parameters`` in ``count`` places; see the module's docstring."""
     stem = f"{formal.OUT}/{proof.name}.mutants"
     lines = listed(proof, parameters, stem, count)
     applied = [

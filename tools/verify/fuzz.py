@@ -1,5 +1,5 @@
-"""What `make fuzz` does to everything that reads what others wrote: mutated and made-up input, and what may
-come of it - the right answer, or one sentence (ValueError). Each case follows from its number alone."""
+"""Fuzzing of all readers of foreign input (`make fuzz`): mutated and generated input must give the right
+result or one sentence (ValueError). Each case is determined by its number alone."""
 
 import io
 import os
@@ -25,8 +25,8 @@ from meissner.twins.link.cobs import encode
 from meissner.twins.link.decoder import Decoder
 
 CORPUS = toolchain.ROOT / "tb/corpus"
-SLOW_S = 5.0  # of processor time; more for one case counts as a hang
-STILL_S = 300.0  # by the clock: one that waits for what never comes takes no processor time
+SLOW_S = 5.0  # CPU time; a case that takes longer counts as a hang
+STILL_S = 300.0  # wall-clock time: a case that waits for ever takes no CPU time
 NASTY = [
     b"",
     b"\0",
@@ -72,7 +72,7 @@ VALUES += [
 
 
 class Failed(Exception):
-    """A case that should not have come out so."""
+    """A case with a wrong result."""
 
 
 @contextmanager
@@ -98,7 +98,7 @@ def in_time(what):
 
 
 def mutated(draw, data, others=(b"",)):
-    """``data`` with one to six changes of bytes."""
+    """``data`` with one to six byte changes."""
     data = bytearray(data)
     for _ in range(draw.choice((1, 1, 1, 2, 3, 6))):
         at = draw.randrange(len(data) + 1)
@@ -126,12 +126,12 @@ def mutated(draw, data, others=(b"",)):
 
 
 def corpus(target):
-    """{name: bytes} of the files in the target's folder; none where there is no folder."""
+    """{name: bytes} of the files in the target's folder; empty without a folder."""
     return {path.name: path.read_bytes() for path in sorted((CORPUS / target).glob("*"))}
 
 
 class Packets:
-    """Mutated and random lines to the decoder in Python: no packet that was not sent."""
+    """Mutated and random lines for the decoder in Python: it must yield no packet that was not sent."""
 
     name = "decoder_python"
 
@@ -148,7 +148,7 @@ class Packets:
         return mutated(draw, self.line[start : start + draw.choice((60, 60, 300))], (self.line,))
 
     def close(self):
-        """Give back what the system lends."""
+        """Release system resources."""
 
     def check(self, data):
         for q in self.decoder.next(data + b"\0"):
@@ -159,7 +159,7 @@ class Packets:
 
 
 class Feed:
-    """A line that says one string and then nothing."""
+    """A line that delivers one string and then nothing."""
 
     data = b""
 
@@ -169,7 +169,7 @@ class Feed:
 
 
 class Host(Packets):
-    """The same over a line to meissner.host.Core, which puts images together and types packets."""
+    """The same through a line to meissner.host.Core, which assembles images and types packets."""
 
     name = "host"
 
@@ -194,7 +194,7 @@ class Host(Packets):
 
 
 class Terminal(Host):
-    """The same through a pseudo-terminal: bytes of every value, in whatever pieces it hands them over."""
+    """The same through a pseudo-terminal: bytes of every value, in pieces of any size."""
 
     name = "host_pty"
 
@@ -219,7 +219,7 @@ class Terminal(Host):
 
 
 class Files:
-    """A reader of files: what it reads, or ValueError with one line."""
+    """A reader of files: it must return what it reads, or raise ValueError with one line."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -313,7 +313,7 @@ class Logs(Files):
 
 
 def archive(draw, data):
-    """A whole .npz whose arrays have other shapes or kinds, are missing or mutated."""
+    """A complete .npz whose arrays have other shapes or types, are missing or mutated."""
     with np.load(io.BytesIO(data)) as found:
         arrays = {name: found[name] for name in found.files}
     made = io.BytesIO()
@@ -341,7 +341,7 @@ def archive(draw, data):
 TARGETS = {
     target.name: target for target in (Packets, Host, Terminal, Config, Recordings, Calibrations, Logs)
 }
-CASES = {  # a minute or two of a processor each, where a million would be a matter of hours
+CASES = {  # one or two CPU minutes each; a million would take hours
     "host_pty": 200_000,
     "config": 200_000,
     "recordings": 400_000,
@@ -355,10 +355,10 @@ STRICT = ["-std=c99", "-g", "-O1", "-I", str(toolchain.ROOT / "host")]
 
 
 def run_c(count, seed=1):
-    """``count`` strings to the decoder in C; what with, in words. Failed with what the sanitizers said.
+    """Run ``count`` strings through the C decoder; return a description. Failed has the sanitizers' output.
 
-    With clang and its libFuzzer half of them are guided by coverage; the others, or all, come from
-    tb/host/packet_fuzz.c. A compiler without sanitizers builds without, and is told of.
+    With clang and its libFuzzer, coverage guides half of them; the others, or all, come from
+    tb/host/packet_fuzz.c. A compiler without sanitizers builds without them, which the description states.
     """
     line = CORPUS / "packets/line.bin"
     with tempfile.TemporaryDirectory() as folder:
@@ -378,7 +378,7 @@ def run_c(count, seed=1):
                 f"-runs={count // 2}",
                 f"-seed={seed}",
                 "-max_len=600",
-                f"-timeout={STILL_S:.0f}",  # libFuzzer knows no processor time
+                f"-timeout={STILL_S:.0f}",  # libFuzzer has no limit in CPU time
                 "found",
                 line.parent,
             ]
@@ -396,7 +396,7 @@ def run_c(count, seed=1):
 
 
 def run(target, count, seed=1, first=0):
-    """``count`` cases; returns the slowest one's seconds of processor time. Failed names what went wrong."""
+    """Run ``count`` cases; return the CPU seconds of the slowest. Failed describes the error."""
     slowest = 0.0
     with tempfile.TemporaryDirectory(dir="/dev/shm" if Path("/dev/shm").is_dir() else None) as folder:
         reader = TARGETS[target](Path(folder))

@@ -1,4 +1,4 @@
-"""What only an `initial` block writes: constants, such as a table, that Verilator keeps in variables."""
+"""Find the variables that only an `initial` block writes: constants, such as tables, kept in variables."""
 
 from collections import defaultdict
 
@@ -7,7 +7,7 @@ from pyslang import analysis, ast, syntax
 
 
 def only(paths, top, parameters):
-    """Names of the variables below ``top``, in ``paths``, that an `initial` block writes and nothing else."""
+    """Names of the variables below ``top``, in ``paths``, that only an `initial` block writes."""
     options = ast.CompilationOptions()
     options.topModules = {top}
     options.paramOverrides = [f"{name}={value}" for name, value in parameters.items()]
@@ -15,7 +15,7 @@ def only(paths, top, parameters):
     for path in paths:
         compilation.addSyntaxTree(syntax.SyntaxTree.fromFile(str(path)))
     root = compilation.getRoot()
-    compilation.getAllDiagnostics()  # elaborates all of it
+    compilation.getAllDiagnostics()  # forces full elaboration
     compilation.freeze()
     drivers = analysis.AnalysisManager()
     drivers.analyze(compilation)
@@ -25,7 +25,7 @@ def only(paths, top, parameters):
         if isinstance(symbol, ast.VariableSymbol):
             place = symbol.location.buffer, symbol.location.offset
             paths_of[place].append(symbol.hierarchicalPath.removeprefix(f"{top}."))
-            # Of instances that are alike slang tells the drivers in one.
+            # Of identical instances, slang reports the drivers for only one.
             for driver in drivers.getDrivers(symbol):
                 (once if _initial(driver.containingSymbol) else often).add(place)
 

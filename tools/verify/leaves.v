@@ -1,4 +1,4 @@
-// A product as a box that has no inside, on both sides of a proof.
+// A product as a black box, on both sides of a proof.
 (* blackbox *)
 module product #(
   parameter A_WIDTH = 1,

@@ -1,4 +1,4 @@
-// Yosys's operator * becomes a box, but for a constant factor: that is shifts and adds.
+// Yosys's operator * becomes a black box, except with a constant factor, which becomes shifts and adds.
 (* techmap_celltype = "$mul" *)
 module to_product #(
   parameter A_WIDTH = 1,

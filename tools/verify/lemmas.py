@@ -1,9 +1,9 @@
-"""A further look at a mutant of a block of one channel: first signals that are alike, then the outputs.
+"""Another attempt at a mutant of a block with one channel: prove inner signals equal first, then the outputs.
 
-A counter that goes through its values in another order gives the same marks at the same time, but its bits
-are no help to induction. So each named signal of one bit is asked for alone: is it the same in both copies
-while `in_valid_i` is 1? That hangs on little. Those that are proven to be stand for the mutant's own then.
-Frames are whole, of one detail, the first after a reset with restart, as in equivalence.py.
+A counter that takes its values in another order marks the same clocks, but its bits do not help induction. So
+each named one-bit signal is checked alone: is it equal in both copies while `in_valid_i` is 1? Such a
+question involves little logic. Signals proven equal then replace the mutant's own. Frames are complete and
+consist of one detail, the first after a reset with restart, as in equivalence.py.
 """
 
 from verify import after_reset
@@ -13,7 +13,7 @@ WANTED = (("in_valid_i", 0), ("in_restart_i", 0), ("in_last_i", 0), ("in_id_i", 
 
 
 class Frames:
-    """``shape`` of after_reset.miter: what comes in, and signals that the mutant has of the block."""
+    """``frames`` of after_reset.miter: the inputs, and the signals that the mutant takes from the block."""
 
     def __init__(self, circuit, alike=()):
         self.circuit, self.alike = circuit, alike
@@ -21,7 +21,7 @@ class Frames:
         [self.ready] = [bit for (name, _), bit in circuit.outputs.items() if name == "in_ready_o"]
 
     def inputs(self, graph, now, ready):
-        """(inputs, latches) that make frames of ``now``; ``ready`` does not hang on what is changed."""
+        """(inputs, latches) that turn ``now`` into frames; ``ready`` must not depend on what they replace."""
         begun, valid = graph.input(), now[self.valid]
         restart = now[self.restart]
         framed = {
@@ -33,12 +33,12 @@ class Frames:
         return now | framed, [(begun, later)]
 
     def taken_over(self, graph, now, block, mutant):
-        """{bit: literal} of the signals in ``alike``: the block's while the input is valid."""
+        """{bit: literal} for the signals in ``alike``: the block's values while the input is valid."""
         return {bit: graph.choose(now[self.valid], block[bit], mutant[bit]) for bit in self.alike}
 
 
 def signals(circuit):
-    """Bits of named signals of one bit that are no inputs, outputs or registers."""
+    """Bits of named one-bit signals that are not inputs, outputs or registers."""
     ports = {*circuit.inputs.values(), *circuit.outputs.values()}
     widths = circuit.widths()
     return [
@@ -49,12 +49,12 @@ def signals(circuit):
 
 
 def fits(circuit, parameters):
-    """Is it a block of one channel that takes frames?"""
+    """Whether it is a block with one channel that takes frames."""
     return parameters.get("Channels") == "1" and all(key in circuit.inputs for key in WANTED)
 
 
 def signal_apart(circuit, number, bit):
-    """after_reset.miter's answer, of one signal in place of the outputs."""
+    """The result of after_reset.miter for one signal instead of the outputs."""
     frames = Frames(circuit)
 
     def bad(graph, now, block, mutant):

@@ -1,16 +1,16 @@
-"""What docs/trust/mutants.json says of its blocks, in words and in tables. Of each there may be a part of the
-netlist's cells, which is the block's own entry, and one of its source text, under "source" in it."""
+"""The contents of docs/trust/mutants.json in words and tables. A block's entry holds the mutants of its
+netlist's cells, and under "source" those of its source text; either may be missing."""
 
 from collections import Counter
 
 
 def parts(found):
-    """What was found of the cells, and of the source, where it was looked for."""
+    """The results for the cells and for the source, as far as they exist."""
     return [part for part in (found, found.get("source", {})) if "mutants" in part]
 
 
 def both(found, key):
-    """The sum of a number over both kinds."""
+    """The sum of a count over both kinds."""
     return sum(part.get(key, 0) for part in parts(found))
 
 
@@ -21,7 +21,7 @@ def summary(found):
 
 
 def total(blocks):
-    """One line of all blocks."""
+    """One line that sums up all blocks."""
     kinds = (
         ("mutants of cells", [b for b in blocks if "mutants" in b]),
         ("of source", [b["source"] for b in blocks if "source" in b]),
@@ -44,11 +44,9 @@ COLUMNS = ("there", "mutants", "killed", "equivalent", "survived", "score", "sec
 
 
 def table(told):
-    """The Markdown of the results: a row per block, first of cells, then of source, then the survivors."""
-    lines = [
-        "| block | " + " | ".join(["of", *COLUMNS[1:]] * 2) + " |",
-        "|---" + "|--:" * 2 * len(COLUMNS) + "|",
-    ]
+    """The results as Markdown: a row per block (cells, then source), then the survivors."""
+    heads = [name for kind in ("cells", "source") for name in (f"{kind}: possible", "drawn", *COLUMNS[2:])]
+    lines = [f"| block | {' | '.join(heads)} |", "|---" + "|--:" * len(heads) + "|"]
     every = [Counter(), Counter()]
     for name, found in told["blocks"].items():
         cells = []
@@ -60,7 +58,7 @@ def table(told):
             cells += _cells(row)
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     lines.append("| **all** | " + " | ".join([cell for sums in every for cell in _cells(sums)]) + " |")
-    lines += ["", "Survivors; *different*: the solver has inputs that tell it from the block.", ""]
+    lines += ["", "Survivors. *different*: the solver found inputs that distinguish it from the block.", ""]
     for name, found in told["blocks"].items():
         for one in [one for part in parts(found) for one in part["survived"]]:
             at = " ".join(f"{k}={v}" for k, v in one["parameters"].items()) or "defaults"
@@ -69,7 +67,7 @@ def table(told):
 
 
 def _cells(row):
-    """Of one kind; empty where there was none."""
+    """The cells of one kind; empty if there are no results."""
     if "mutants" not in row:
         return [""] * len(COLUMNS)
     made = row["mutants"] - row["equivalent"]

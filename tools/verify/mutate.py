@@ -1,11 +1,11 @@
-"""All mutants of a block in one netlist: Yosys reads the sources, `mutate` changes one cell's port bit each.
+"""All mutants of a block in one netlist: Yosys reads the sources, `mutate` changes one bit of a cell's port.
 
-    netlist(run, count, seeds, folder)  [Mutant, ...], of how many; writes folder/mutated.v, mutated.il and
-                                        wrapper.sv
+    netlist(run, count, seeds, folder)  [Mutant, ...], and how many exist; writes folder/mutated.v, mutated.il
+                                        and wrapper.sv
 
-Only cells of the block itself are changed, and the ports of the blocks in it; these have mutants of their
-own. An input `mutsel` of the netlist chooses the mutant, 0 the unchanged block; a generated wrapper has the
-block's name, parameters and ports, so that its tests run as they are. Clocks are left alone.
+Only cells of the block itself and the ports of its inner blocks are changed; inner blocks have their own
+mutants. The netlist's input `mutsel` chooses the mutant, 0 the unchanged block. A generated wrapper has the
+block's name, parameters and ports, so the block's tests run unmodified. Clocks are not changed.
 """
 
 import re
@@ -25,7 +25,7 @@ SYNTHESIS += "; opt -keepdc -fast; opt_clean"
 
 @dataclass
 class Mutant:
-    """One change: ``what`` is Yosys's name of it, ``source`` the lines it came from; ``number`` on mutsel."""
+    """One change. ``what``: Yosys's description, ``source``: source lines, ``number``: its mutsel value."""
 
     number: int
     what: str
@@ -37,7 +37,7 @@ class Mutant:
 
 
 def source_of(block):
-    """The block's file."""
+    """The block's source file."""
     return next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
 
 
@@ -47,7 +47,7 @@ def tests_of(run):
 
 
 def _listed(text):
-    """Mutants of what `mutate -list` wrote, without those of clocks and of wires that nobody reads."""
+    """The mutants in the output of `mutate -list`, without those of clocks and of unused wires."""
     for line in text.splitlines():
         option = dict(re.findall(r"-(mode|cell|port|portbit|ctrlbit|wire|wirebit) (\S+)", line))
         if option["port"].lstrip("\\") in CLOCKS or UNREAD.match(option.get("wire", "")):
@@ -62,12 +62,12 @@ def _listed(text):
 
 
 def head_of(text, module):
-    """The head of a module in a source."""
+    """The head of a module in a source, up to its port list."""
     return re.search(rf"^module {module}\b.*?^\);", text, re.DOTALL | re.MULTILINE).group()
 
 
 def scopes_of(tests):
-    """Paths of blocks inside that stand in quotes in the tests, through generate blocks and other blocks."""
+    """Paths of inner blocks that the tests name in quotes, through generate blocks and other blocks."""
     return re.findall(r'"((?:(?:gen|u)_\w+\.)*u_\w+)"', tests)
 
 
@@ -77,19 +77,19 @@ def module_of(text, name):
 
 
 def named(run):
-    """The signals that the tests name, of the block's own."""
+    """The block's own signals that the tests name."""
     return sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
 
 
 def signals_of(run):
-    """Names that stand behind a block's, "<block>.<signal>" in quotes, in the tests and what they import."""
+    """Signal names in quoted "<block>.<signal>" in the tests and their imports."""
     test = tests_of(run)
     text = "".join(path.read_text() for path in (test, *sorted(revision.imports(test))))
     return set(re.findall(r'"\w+\.(\w+)[\["]', text))
 
 
 def _scopes(tree):
-    """Scopes in scopes, down to the signals in them."""
+    """Verilog of nested scopes, down to the signals in them."""
     return "".join(
         inner if isinstance(inner, str) else f"  if (1) begin : {name}\n{_scopes(inner)}  end\n"
         for name, inner in tree.items()
@@ -97,29 +97,29 @@ def _scopes(tree):
 
 
 def _scope(tree, path):
-    """The scope of ``path`` in the tree, which has it then."""
+    """The scope of ``path`` in the tree, created if it does not exist."""
     for name in path.split("."):
         tree = tree.setdefault(name, {})
     return tree
 
 
 PORT = rf"^  (?:in|out)put ({BITS})(\w+);"
-# The space ends a name that has dots in it.
+# The space ends an escaped name with dots.
 _copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name} ;\n".format
 
 
 def _blocks_inside(text, module, wanted, paths, signals, at, tree):
-    """Put copies of ports of the blocks at ``wanted`` in ``module``, which is ``at``, into the tree, and of
-    their ``signals``.
+    """Put copies of the ports and ``signals`` of the blocks at ``wanted`` in ``module`` into the tree.
+    ``at``: the path of the module.
 
-    In a block that is wanted itself, all ``paths`` are looked for: tests join two.
+    Inside a wanted block all ``paths`` are searched, since tests join two of them.
     """
     for kind, path in re.findall(r"^  (\S+) +\\?([\w.]+) +\($", module, re.MULTILINE):
         deeper = [other.removeprefix(f"{path}.") for other in wanted if other.startswith(f"{path}.")]
         if not deeper and path not in wanted:
             continue
         block = module_of(text, f"{kind} " if kind.startswith("\\") else kind)
-        there = f"{at}\\{path} ." if "." in path else f"{at}{path}."  # the name itself has dots in it
+        there = f"{at}\\{path} ." if "." in path else f"{at}{path}."  # an escaped name with dots
         scope = {}
         if path in wanted:
             own = re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", block, re.MULTILINE)
@@ -135,9 +135,9 @@ def _blocks_inside(text, module, wanted, paths, signals, at, tree):
 
 
 def _seen_inside(run, folder):
-    """The wrapper's copies of those signals inside the block that its tests name, and, in scopes of the same
-    names, of all ports of those blocks in it whose path stands in quotes there, however deep, and all signals
-    of such generate blocks."""
+    """The wrapper's copies of the inner signals that the block's tests name; in scopes of the same names,
+    also of all ports of inner blocks, at any depth, and all signals of generate blocks whose path the tests
+    quote."""
     text, tests = (ROOT / folder / "mutated.v").read_text(), tests_of(run).read_text()
     module = module_of(text, INNER)
     ports = [name for _, name in re.findall(PORT, module, re.MULTILINE)]
@@ -158,7 +158,7 @@ def _seen_inside(run, folder):
 def netlist(run, count, seeds, folder):
     """Write the netlist of ``run`` (an entry of benches.runs) with at most ``count`` mutants into ``folder``.
 
-    ``folder`` is relative to ROOT. Returns the mutants, numbered from 1, and how many there are to draw from.
+    ``folder`` is relative to ROOT. Returns the mutants, numbered from 1, and the number to draw from.
     """
     block = f"msn_{run['block']}"
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
@@ -171,7 +171,7 @@ def netlist(run, count, seeds, folder):
     listed = {}
     for place, seed in enumerate(seeds, 1):
         wanted = count * place // len(seeds)
-        # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
+        # More than wanted, since some concern clocks; Yosys itself thins out several in one place.
         for more in (count + count // 4 + 8, 4 * count):
             said = yosys(
                 f"read_rtlil {folder}/plain.il; mutate -list {more} -seed {seed} -o {folder}/listed {INNER}",
@@ -189,7 +189,7 @@ def netlist(run, count, seeds, folder):
         mutant.parameters = run["parameters"]
     control = [m.command.replace("mutate ", f"mutate -ctrl mutsel {width} {m.number} ", 1) for m in mutants]
     (ROOT / folder / "apply.ys").write_text("\n".join(control) + "\n")
-    # What only the tests read stays, even if a mutant takes its name from it.
+    # Signals that only the tests read are kept, even if a mutant renames them.
     kept = " ".join(f"{INNER}/w:{name}" for name in named(run))
     yosys(
         f"read_rtlil {folder}/plain.il; setattr -set keep 1 {kept}; script {folder}/apply.ys; opt_clean; "

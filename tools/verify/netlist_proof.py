@@ -1,8 +1,8 @@
-"""Is a netlist what its sources say? Both side by side, and a proof that no output ever differs.
+"""Prove that a netlist equals its sources: both run side by side, and no output ever differs.
 
-Registers of the same name begin with the same, unknown contents; inputs may do what they like from the first
-clock on, reset or not. ABC, which is part of Yosys, merges what it proves equal by induction (scorr); an
-output is proven if its difference is then the constant 0.
+Registers of the same name start with the same unknown contents; inputs, including reset, are free from the
+first clock on. ABC, which is part of Yosys, merges what it proves equal by induction (scorr); an output is
+proven if its difference then is the constant 0.
 """
 
 import random
@@ -12,7 +12,7 @@ from verify.aig import FALSE, LANES, TRUE, Aig, lane_bits, outputs_of, simulate,
 
 RESET = "rst_i"
 CLOCKS = 30  # of simulation
-DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule"  # ABC wants something to work on
+DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule"  # ABC needs a design to work on
 
 
 def abc(folder, commands):
@@ -27,10 +27,10 @@ def abc(folder, commands):
 
 
 def power_up(graph, source, netlist):
-    """What the registers of either side begin with, {Q: literal} twice: the same where they share a name.
+    """The initial contents of the registers on each side, {Q: literal} twice: equal where they share a name.
 
-    Registers that synthesis made one, or a constant, begin so in the source too; one that it dropped, like
-    one that behaves the same.
+    Registers that synthesis merged, or replaced by a constant, start equal in the source, too; a register
+    that it removed starts like one with the same behaviour.
     """
     first, begins = {}, {}
     owner = source.holders()
@@ -54,7 +54,7 @@ def power_up(graph, source, netlist):
 
 
 def behaviour(circuit):
-    """{Q: what it held in a random simulation from zeros on}: what does the same becomes one in synthesis."""
+    """{Q: its values in a random simulation from zeros}: synthesis merges registers that behave the same."""
     rng, graph = random.Random(1), Aig()
     given = {bit: graph.input() for bit in [*circuit.registers, *circuit.inputs.values()]}
     known = circuit.build(graph, given)
@@ -71,7 +71,7 @@ def behaviour(circuit):
 
 
 def after_reset(circuit):
-    """{Q: 0 or 1} of the registers that a clock of reset sets."""
+    """{Q: 0 or 1} for the registers that one clock of reset sets."""
     graph = Aig()
     given = {bit: graph.input() for bit in [*circuit.registers, *circuit.inputs.values()]}
     if (RESET, 0) in circuit.inputs:
@@ -107,8 +107,8 @@ def miter(source, netlist, from_reset):
 def prove(source, netlist, folder, name, from_reset=False):
     """Names of the outputs that are not proven equal; files in ``folder`` begin with ``name``.
 
-    ``from_reset``: registers that a reset sets begin as it leaves them: for a state machine whose states
-    synthesis encoded again, so that its registers have nothing in common.
+    ``from_reset``: registers that a reset sets start with their reset values. This is for a state machine
+    that synthesis re-encoded, so that the registers of the two sides do not correspond.
     """
     graph, latches, differs = miter(source, netlist, from_reset)
     stem = f"{folder}/{name}"

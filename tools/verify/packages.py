@@ -1,4 +1,4 @@
-"""What a block uses of a SystemVerilog package, so that a type that is added makes nothing else stale."""
+"""The parts of a SystemVerilog package that a block uses, so that adding a type makes no evidence stale."""
 
 import re
 from functools import cache
@@ -7,11 +7,11 @@ _END = re.compile(r"[;{}]")
 
 
 class Unknown(ValueError):
-    """A declaration that is none of a package's known kinds."""
+    """A declaration of an unknown kind in a package."""
 
 
 def _statement(text, at):
-    """Past the ; that ends the statement at ``at``: the next outside braces."""
+    """The position after the ; that ends the statement at ``at``: the next one outside braces."""
     depth = 0
     while found := _END.search(text, at):
         at = found.end()
@@ -22,7 +22,7 @@ def _statement(text, at):
 
 
 def _names(declaration):
-    """What a declaration is called, and the members of an enum, which are names of the package, too."""
+    """The name of a declaration, and the members of an enum, which are also names of the package."""
     if declaration.startswith("function"):
         return re.findall(r"(\w+)\s*[(;]", declaration)[:1]
     if declaration.startswith("typedef"):
@@ -56,8 +56,8 @@ def declarations(text):
 
 
 def used(name, text, users):
-    """The declarations of package ``name`` that the texts ``users`` name, and what these need, in order;
-    all of ``text`` if it has something unknown, or a user imports from it."""
+    """The declarations of package ``name`` that the texts ``users`` name, with those that they need, in
+    order; all of ``text`` if it has a declaration of unknown kind or a user imports from it."""
     try:
         known = declarations(text)
     except Unknown:

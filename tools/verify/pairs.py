@@ -1,4 +1,4 @@
-"""Pairwise coverage: few combinations in which every pair of two parameters' values occurs."""
+"""Pairwise coverage: few combinations that contain every pair of values of two parameters."""
 
 from itertools import combinations, product
 from random import Random
@@ -9,9 +9,9 @@ def _pairs(names, row):
 
 
 def wanted(axes, allowed=lambda **row: True, limit=200_000):
-    """Every pair of values that some allowed combination of ``axes`` {name: values} has.
+    """Every pair of values that occurs in an allowed combination of ``axes`` {name: values}.
 
-    Few combinations are looked at one by one; beyond ``limit`` of them a pair counts as possible.
+    All combinations are checked if there are at most ``limit``; otherwise every pair counts as possible.
     """
     names, count = list(axes), 1
     for values in axes.values():
@@ -27,9 +27,9 @@ def wanted(axes, allowed=lambda **row: True, limit=200_000):
 
 
 def covering(axes, allowed=lambda **row: True, seed=1, tries=60):
-    """Rows {name: value} that together have every pair that is possible; greedy, the same for a seed.
+    """Rows {name: value} that together contain every possible pair; greedy, reproducible for a seed.
 
-    ``allowed``: whether a row may be built. A single axis gives its values.
+    ``allowed``: whether a row may be built. With a single axis, a row for each of its values.
     """
     names, draw = list(axes), Random(seed)
     if len(names) == 1:
@@ -48,7 +48,7 @@ def covering(axes, allowed=lambda **row: True, seed=1, tries=60):
                 best, most = row, gained
             if best is not None and attempt >= tries:
                 break
-        if best is None:  # no row with it was drawn: the limits leave almost none
+        if best is None:  # no row with the pair was drawn: almost none is allowed
             left.discard(first)
             continue
         rows.append(best)

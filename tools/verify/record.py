@@ -1,4 +1,4 @@
-"""What a kind of evidence found, kept in docs/trust/<kind>.json for docs/trust.md."""
+"""The records of each kind of evidence, docs/trust/<kind>.json, from which docs/trust.md is written."""
 
 import datetime
 import fcntl
@@ -14,8 +14,8 @@ FOLDER = toolchain.ROOT / "docs/trust"
 
 
 def stale(recorded, kind):
-    """Names of the blocks whose entry in ``recorded``, what a kind's file says, rests on what has changed; of
-    netlists also on the proof of a block in it that is not there, not proven or stale itself."""
+    """Names of the blocks whose entry in ``recorded``, the contents of a kind's file, is stale: what it rests
+    on has changed, or, for netlists, the proof of an inner block is missing, failed or stale."""
     listed = set(benches.blocks())
     blocks = recorded["blocks"]
     found = {name for name in listed & blocks.keys() if blocks[name].get("of") != digest(name, kind)}
@@ -32,7 +32,7 @@ def stale(recorded, kind):
 
 
 def _boxes(facts):
-    """{(block, family)} that a netlist is proven around, by families."""
+    """{(block, family)} of the inner blocks that a block's netlists are proven around."""
     entries = [(family, entry) for family, entry in facts.items() if isinstance(entry, dict)]
     return {(box, family) for family, entry in entries for box in entry.get("around", ())}
 
@@ -46,7 +46,7 @@ def _on_one_line(numbers):
 
 
 def _since(told=[0.0]):  # noqa: B006
-    """Seconds of a processor, of this process and of those it waited for, since this was asked last."""
+    """CPU seconds of this process and its finished children since the last call."""
     usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     now, before = sum(usage.ru_utime + usage.ru_stime for usage in usages), told[0]
     told[0] = now
@@ -54,25 +54,25 @@ def _since(told=[0.0]):  # noqa: B006
 
 
 def merge(kind, command, blocks, summary, total, join=_replace, listed=None):
-    """Put ``blocks`` {name: facts} among the recorded. ``summary`` makes a cell of a block's facts, ``total``
-    the sentence of a list of all blocks' facts; ``join`` adds a block's facts to those it had of the same
-    revision, in place of replacing them; ``listed``: names of all blocks that there are, others are dropped.
-    ``of`` among a block's facts: what ``digest`` was when they were found, if that is not now. ``cpu_s`` of
-    them: seconds of a processor since this process recorded last, an equal share of each block."""
+    """Merge ``blocks`` {name: facts} into the record. ``summary`` turns a block's facts into a cell,
+    ``total`` a list of all blocks' facts into a sentence. ``join`` combines a block's facts with earlier ones
+    of the same revision instead of replacing them. ``listed``: all existing blocks; others are dropped. A
+    block's facts have ``of``, its ``digest`` at the time of the run (default: the current one), and
+    ``cpu_s``, the CPU seconds since this process last recorded, shared equally among the blocks."""
     FOLDER.mkdir(exist_ok=True)
     spent = round(_since() / max(1, len(blocks)), 1)
     path = FOLDER / f"{kind}.json"
     with path.open("a+") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)  # several may record at once
+        fcntl.flock(file, fcntl.LOCK_EX)  # several processes may record at the same time
         file.seek(0)
         before = file.read()
         known = json.loads(before)["blocks"] if before else {}
         fresh = {}
         for name, facts in blocks.items():
-            if name in benches.blocks():  # others are readers of files
+            if name in benches.blocks():  # other names are readers of files
                 facts = {"of": digest(name, kind)} | facts
             old = known.get(name, {})
-            before_s = old.get("cpu_s", 0) if join is not _replace else 0  # what is joined may be a part
+            before_s = old.get("cpu_s", 0) if join is not _replace else 0  # joined facts may be only a part
             facts = join(old if old.get("of") == facts.get("of") else {}, facts)
             fresh[name] = facts | {"summary": summary(facts), "cpu_s": max(spent, before_s)}
         merged = {

@@ -1,6 +1,6 @@
 """Blocks in random legal sizes, each against its own tests: many sizes in one build, each tested alone.
 
-A block takes part by a function ``SPACE`` in its test file: from a random.Random a dict of parameters.
+A block takes part if its test file has a function ``SPACE``, which returns parameters from a random.Random.
 """
 
 import hashlib
@@ -16,8 +16,8 @@ from verify import benches
 
 WORK = toolchain.BUILD / "regress"
 TOP = "regress_top"
-TOGETHER = 10  # sizes in a build
-STIMULI = 5  # seeds of random stimulus with each size: a build takes far longer than a run
+TOGETHER = 10  # sizes per build
+STIMULI = 5  # stimulus seeds per size, since a build takes far longer than a run
 
 
 def _tests(block):
@@ -29,14 +29,14 @@ def _tests(block):
 
 
 def blocks():
-    """Those whose tests have a SPACE."""
+    """The blocks whose tests have a SPACE."""
     folder = toolchain.ROOT / "tb"
     has = lambda name: "\nSPACE = " in (folder / benches.stage_of(name) / f"test_{name}.py").read_text()
     return [name for name in benches.blocks() if has(name)]
 
 
 def sizes(block, count, seed):
-    """``count`` random sizes, all different where the space has as many."""
+    """``count`` random sizes, all different if the space has that many."""
     draw, space = random.Random(f"{block} {seed}"), _tests(block).SPACE
     found = []
     for _ in range(20 * count):
@@ -49,7 +49,7 @@ def sizes(block, count, seed):
 
 
 def build(block, given):
-    """Folder of a build of the block in each of these sizes; the instances are u_0, u_1, ..."""
+    """The folder of a build with the block in each of these sizes; the instances are u_0, u_1, ..."""
     from cocotb_tools.runner import get_runner
 
     cells = []
@@ -78,7 +78,7 @@ def build(block, given):
 
 
 def test(block, folder, number, seed, limit_s=600):
-    """What went wrong with instance ``number``, None if nothing did."""
+    """The failure of instance ``number``, or None."""
     import cocotb_tools.config
     import find_libpython
     from cocotb_tools.check_results import get_results
@@ -117,8 +117,8 @@ def test(block, folder, number, seed, limit_s=600):
 
 
 def some(block, given):
-    """(size, seed, what went wrong or None) of each run in ``given`` [(size, seeds)], all sizes in one build;
-    the unit of work that is handed out. A build that fails is of every size in it."""
+    """(size, seed, failure or None) of each run in ``given`` [(size, seeds)], all sizes in one build; a unit
+    of work. A failed build counts as a failure of every size in it."""
     given = [(dict(size), seeds) for size, seeds in given]
     try:
         folder = build(block, [size for size, _ in given])
@@ -129,7 +129,7 @@ def some(block, given):
 
 
 def fails(block, size, seed):
-    """Whether this one fails, alone in its build; a size that is refused does not."""
+    """Whether this size fails alone in its build; a refused size does not count."""
     try:
         return test(block, build(block, [size]), 0, seed) is not None
     except RuntimeError:
@@ -137,7 +137,7 @@ def fails(block, size, seed):
 
 
 def smallest(block, size, seed, tries=30):
-    """A size no parameter of which can be made smaller and still fail."""
+    """A failing size that passes as soon as any of its parameters is made smaller."""
     size = dict(size)
     again = True
     while again and tries > 0:

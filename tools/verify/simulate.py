@@ -8,8 +8,8 @@ from cocotb_tools.runner import Verilator
 from meissner.builds import toolchain
 from meissner.builds.yowasp import ROOT
 
-# What Yosys writes is no house style; a mutant may close a combinational loop. In a block that is inlined
-# registers that are outputs would begin with zeros, whatever was asked, where their net is mutated.
+# Yosys's Verilog does not follow the style rules, and a mutant may close a combinational loop. If Verilator
+# inlined the block, output registers with a mutated net would start at zero regardless of the option.
 FLAGS = ("-fno-inline", "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Wno-MULTIDRIVEN", "-Wno-ALWCOMBORDER")
 PUBLIC = """`verilator_config
 public_flat_rw -module "{top}" -var "*"
@@ -21,11 +21,11 @@ class BuildError(RuntimeError):
 
 
 class TooSlow(RuntimeError):
-    """The tests take too long on the unchanged block."""
+    """The tests of the unchanged block take too long."""
 
 
 class _Runner(Verilator):
-    """Only the wrapper's ports and parameters are public: cocotb's own option slows all else down."""
+    """Makes only the wrapper's ports and parameters public, since cocotb's own option slows down the rest."""
 
     def _build_command(self):
         return [
@@ -59,8 +59,8 @@ def build(run, folder):
 def judge(run, mutants, folder, jobs, powerup=0, limit=5):
     """Run the tests of ``run`` against ``mutants`` and set their verdicts.
 
-    ``powerup``: registers start with random values of this seed, in place of ones; ``limit``: processor
-    seconds that the tests may take on the unchanged block. Returns the seconds that they take.
+    ``powerup``: registers start with random values of this seed instead of ones; ``limit``: CPU seconds that
+    the tests may take on the unchanged block. Returns the seconds that they take.
     """
     out = ROOT / folder / "verdicts.json"
     out.unlink(missing_ok=True)
@@ -74,7 +74,7 @@ def judge(run, mutants, folder, jobs, powerup=0, limit=5):
     if powerup:
         start = ["+verilator+rand+reset+2", f"+verilator+seed+{powerup}"]
     top = f"msn_{run['block']}"
-    os.environ.pop("PYTEST_CURRENT_TEST", None)  # the runner would look for results of its own
+    os.environ.pop("PYTEST_CURRENT_TEST", None)  # else the runner looks for its own results
     _Runner().test(
         hdl_toplevel=top,
         hdl_toplevel_lang="verilog",
@@ -84,7 +84,7 @@ def judge(run, mutants, folder, jobs, powerup=0, limit=5):
         test_filter=run["test_filter"],
         plusargs=start,
         seed=os.environ.get("MEISSNER_SEED", "1"),
-        # Nobody reads why a mutant failed; pytest's comparison of long lists takes seconds.
+        # The reason of a mutant's failure is not used, and pytest's comparison of long lists takes seconds.
         extra_env={"MEISSNER_MUTANTS": json.dumps(settings), "COCOTB_REWRITE_ASSERTION_FILES": ""},
         log_file=ROOT / folder / "test.log",
     )

@@ -1,12 +1,12 @@
 """Mutants of a block's source text: another operator, one more or one less, operands or ports exchanged.
 
-    changes(text, elaborated)      [Change, ...]: every one that there is
-    draw(changes, count, seed)     some of them, the kinds in turn
+    changes(text, elaborated)      [Change, ...]: all possible changes
+    draw(changes, count, seed)     some of them, alternating between the kinds
 
-slang gives the syntax tree and, of the block with its parameters, which generate blocks are there and how
-wide the ports of its instances are. Left alone: the head of the module, its checks of parameters
-(`gen_check_*`), messages. A ``constant`` change stands where SystemVerilog wants a constant, or is assigned
-to: it has no place in a text of several (source_text.py).
+slang gives the syntax tree and, for the block with its parameters, the elaborated generate blocks and the
+port widths of its instances. The head of the module, its parameter checks (`gen_check_*`) and messages are
+not changed. A ``constant`` change is where SystemVerilog needs a constant, or in the target of an assignment;
+it cannot be combined with others in one text (source_text.py).
 """
 
 import random
@@ -30,7 +30,7 @@ CONSTANT = {
     *("ParameterDeclaration", "VariableDimension", "SimpleRangeSelect", "ParameterValueAssignment"),
     *("TypedefDeclaration", "FunctionDeclaration", "InitialBlock", "Declarator", "RangeSelect"),
 }
-FIXED = {  # of these a part
+FIXED = {  # syntax nodes with a part that must be constant or is the target of an assignment
     **{"AssignmentExpression": "left", "NonblockingAssignmentExpression": "left", "CastExpression": "left"},
     **{
         "MultipleConcatenationExpression": "expression",
@@ -45,7 +45,7 @@ LITERALS = ("IntegerLiteral", "IntegerVector", "UnbasedUnsizedLiteral")
 
 @dataclass(frozen=True)
 class Edit:
-    """``text`` in place of the source between two offsets; ``port``: of a connection that has only a name."""
+    """Replaces the source between two offsets by ``text``; ``port``: the port of a name-only connection."""
 
     start: int
     end: int
@@ -55,7 +55,7 @@ class Edit:
 
 @dataclass(frozen=True)
 class Change:
-    """One mutant. ``outputs``: (instance, its ports, their width) of two outputs that are exchanged."""
+    """One mutant. ``outputs``: (instance, its ports, their width) if two outputs are exchanged."""
 
     kind: str
     line: int
@@ -67,27 +67,27 @@ class Change:
 
 @dataclass
 class Elaborated:
-    """What slang knows of a block with its parameters: offsets of what is not there, and {offset of an
-    instance: {port: (direction, width)}}."""
+    """slang's facts about a block with its parameters: the offsets of generate blocks that are not
+    elaborated, and {offset of an instance: {port: (direction, width)}}."""
 
     absent: list[tuple[int, int]] = field(default_factory=list)
     instances: dict[int, dict] = field(default_factory=dict)
 
 
 def _bag():
-    """Options of slang: as the synthesis reads it, without assertions."""
+    """slang's options to read a source as synthesis does, without assertions."""
     options = parsing.PreprocessorOptions()
     options.predefines = ["SYNTHESIS=1"]
     return options
 
 
 def read(path):
-    """A source as text; letters of comments that are not ASCII are lost, as slang's offsets count bytes."""
+    """A source as text; non-ASCII letters in comments are dropped, since slang's offsets count bytes."""
     return path.read_bytes().decode("ascii", "replace").replace("\ufffd", "?")
 
 
 def elaborate(paths, top, parameters):
-    """What slang knows of ``top``, in the last of ``paths``, with these parameters."""
+    """slang's facts about ``top``, in the last of ``paths``, with these parameters."""
     options, found = ast.CompilationOptions(), Elaborated()
     options.topModules = {top}
     options.paramOverrides = [f"{name}={value}" for name, value in parameters.items()]
@@ -117,7 +117,7 @@ def elaborate(paths, top, parameters):
 
     compilation.getRoot().visit(see)
     for node, _ in _nodes(trees[-1].root):
-        if node.kind.name == "GenerateBlock":  # a loop without a turn has no symbol
+        if node.kind.name == "GenerateBlock":  # a loop with no iteration has no symbol
             blocks.add((node.sourceRange.start.offset, node.sourceRange.end.offset))
     found.absent = sorted(blocks - present)
     return found
@@ -131,7 +131,7 @@ def _nodes(node, above=None):
 
 
 def changes(text, elaborated):
-    """Every change of a block's source, in the order of the text."""
+    """All changes of a block's source, in the order of the text."""
     tree = syntax.SyntaxTree.fromText(text, pyslang.SourceManager(), "own", "", pyslang.Bag([_bag()]))
     listing = _Listing(text, elaborated)
     listing.walk(tree.root, False)
@@ -169,7 +169,7 @@ class _Listing:
                 self.walk(child, constant or self.fixed(node, kind, child))
 
     def fixed(self, node, kind, child):
-        """Whether the child of a node must be a constant, or is what is assigned to."""
+        """Whether the child of a node must be constant, or is the target of an assignment."""
         if kind == "NamedPortConnection":
             ports = self.elaborated.instances.get(node.parent.sourceRange.start.offset, {})
             return ports.get(node.name.rawText, ("",))[0] != "In"
@@ -202,7 +202,7 @@ class _Listing:
             self.ports(node)
 
     def ports(self, node):
-        """Two ports of equal width and direction, one's connection given to the other."""
+        """Exchange the connections of two ports of equal width and direction."""
         widths = self.elaborated.instances.get(node.sourceRange.start.offset, {})
         known = []
         for connection in node.connections:
@@ -231,25 +231,25 @@ class _Listing:
 
 
 def _inner(text):
-    """An operand in another place, in brackets unless it is a name or a number."""
+    """An operand's text for another place, in parentheses unless it is a name or a number."""
     return text if re.fullmatch(r"[\w.'\[\]:]+", text) else f"({text})"
 
 
 def _same(node, other):
-    """Whether they are one node: each look at a tree makes its own objects."""
+    """Whether two objects are the same node, since each access to the tree creates new objects."""
     one, two = node.sourceRange, other.sourceRange
     return node.kind == other.kind and (one.start, one.end) == (two.start, two.end)
 
 
 def neighbours(literal):
-    """The literals of one more and one less, of the same size; around from the largest to 0."""
+    """The literals of one more and one less, of the same size; they wrap around between the largest and 0."""
     if literal == "'0":
         return ["1'b1"]
     if re.fullmatch(r"[\d_]+", literal):
         value = int(literal.replace("_", ""))
         return [str(value + 1), *([str(value - 1)] if value else [])]
     if not (sized := SIZED.match(literal)):
-        return []  # not a number, or of any size
+        return []  # not a number, or without a size
     size, signed, base, digits = sized.groups()
     value, end = int(digits.replace("_", ""), BASES[base.lower()]), 1 << int(size)
     shown = {"b": "b", "o": "o", "d": "d", "h": "x"}[base.lower()]
@@ -258,7 +258,7 @@ def neighbours(literal):
 
 
 def draw(known, count, seed):
-    """At most ``count`` of the changes at random, in turn of each kind, of constants apart."""
+    """At most ``count`` random changes, alternating between kinds; changes of constants are kinds apart."""
     chance, kinds = random.Random(f"{seed}"), {}
     for change in known:
         kinds.setdefault((change.kind, change.constant), []).append(change)

@@ -1,11 +1,11 @@
-"""Mutants of a block's source in one netlist, as mutate.netlist makes it of changed cells.
+"""Mutants of a block's source in one netlist, like that of mutate.netlist for changed cells.
 
-    netlist(run, count, seed, folder)     [Mutant, ...], and of how many; writes what mutate.netlist writes
+    netlist(run, count, seed, folder)     [Mutant, ...], and how many exist; writes mutate.netlist's files
 
-Changes that may stand together are in one text, each behind its number on `mutsel`. One of a constant is
-another block: the netlist has a copy of the block for each, side by side, and `mutsel` chooses whose outputs
-count. A change that the project's lint finds, style aside, or with which the block does not elaborate is no
-mutant; another is drawn in its place.
+Changes that can be combined are in one text, each selected by its number on `mutsel`. A change of a constant
+makes another block: the netlist has one copy of the block for each, side by side, and `mutsel` selects whose
+outputs are used. A change that the project's lint reports (style rules apart), or with which the block does
+not elaborate, is not used; another one is drawn instead.
 """
 
 import re
@@ -17,12 +17,12 @@ from meissner.builds.yowasp import ROOT, ToolError, chparam, yosys
 from verify import mutate, source_mutants, source_text
 from verify.mutate import BITS, INNER, SYNTHESIS, Mutant
 
-BLOCK = "plain"  # the module that holds the changes of one text, where there are copies
+BLOCK = "plain"  # the module with the combined changes, if there are copies
 LINT = ("verilator", "--lint-only", "--quiet", "-Wall", "-Wno-style", "rtl/verilator.vlt")
 
 
 class Source:
-    """The block of a run (an entry of benches.runs) with changes in its own file; files go to ``folder``."""
+    """The block of a run (an entry of benches.runs) with changes in its source; files go to ``folder``."""
 
     def __init__(self, run, folder):
         self.run, self.folder, self.block = run, folder, f"msn_{run['block']}"
@@ -33,19 +33,19 @@ class Source:
         (ROOT / folder).mkdir(parents=True, exist_ok=True)
 
     def write(self, name, text):
-        """The sources with ``text`` for the block's own; it is in a folder ``name``."""
+        """The sources, with the block's own replaced by ``text``, which is written to a folder ``name``."""
         path = ROOT / self.folder / name / self.paths[-1].name
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
         return [str(source.relative_to(ROOT)) for source in (*self.paths[:-1], path)]
 
     def together(self, changes):
-        """The text with those of the changes that are one; their numbers begin with 1."""
+        """The text with all changes that can be combined; they are numbered from 1."""
         numbered = {number: change for number, change in enumerate(changes, 1) if change}
         return source_text.together(self.text, numbered, len(changes).bit_length())
 
     def elaborate(self, texts):
-        """Write folder/<name>.il of each of {name: (text, commands)}: its block as module ``name``.
+        """Write folder/<name>.il for each of {name: (text, commands)}, with its block as module ``name``.
 
         ToolError if Yosys refuses one.
         """
@@ -71,7 +71,7 @@ class Source:
         return True
 
     def refused(self, change):
-        """Whether the lint of the project, but for style, finds the change at these parameters."""
+        """Whether the project's lint, style rules apart, reports the change at these parameters."""
         if not hasattr(self, "fine"):
             self.fine = not self.lint(self.text)
         return self.fine and self.lint(source_text.alone(self.text, change))
@@ -83,7 +83,7 @@ class Source:
         return bool(done.returncode or done.stderr.strip())
 
     def drawn(self, known, seeds):
-        """Of the changes ``known``, in the order of the draws of all seeds, those that lint lets pass."""
+        """The changes in ``known`` that pass the lint, in the order in which the seeds draw them."""
         orders = [source_mutants.draw(known, len(known), seed) for seed in seeds]
         for change in dict.fromkeys(change for turn in zip(*orders) for change in turn):
             if not self.refused(change):
@@ -91,13 +91,13 @@ class Source:
 
 
 def _ports(text, name):
-    """[(direction, bits, port)] of a module that Yosys wrote."""
+    """[(direction, bits, port)] of a module written by Yosys."""
     port = rf"^  (input|output) ({BITS})(\w+);"
     return re.findall(port, mutate.module_of(text, name), re.MULTILINE)
 
 
 def _copies(ports, width, copies):
-    """Verilog of a module that has the block and its copies, and the outputs of that which is chosen."""
+    """Verilog of a module with the block and its copies; it has the outputs of the selected one."""
     pins = [f"{way} {bits}{name}" for way, bits, name in ports if name != "mutsel"]
     lines = [f"module {INNER}({', '.join([*pins, f'input [{width - 1}:0] mutsel'])});"]
     inputs = [f".{name}({name})" for way, _, name in ports if way == "input" and name != "mutsel"]
@@ -117,9 +117,9 @@ def _copies(ports, width, copies):
 
 
 def netlist(run, count, seeds, folder):
-    """Write the netlist of ``run`` with at most ``count`` mutants; returns them, and how many there are.
+    """Write the netlist of ``run`` with at most ``count`` mutants; returns them, and how many exist.
 
-    Each mutant's ``command`` is its Change. Where the tests look inside, constants are left alone.
+    Each mutant's ``command`` is its Change. If the tests look inside the block, constants are not changed.
     """
     source = Source(run, folder)
     inside = _looked_into(run, source.text)
@@ -170,7 +170,7 @@ def netlist(run, count, seeds, folder):
 
 
 def _netlist(folder, number):
-    """A copy of the block as Yosys wrote it; names that come from places in its source are counted again."""
+    """A copy of the block as written by Yosys, with names that contain source positions renumbered."""
     text = (ROOT / folder / f"copy_{number}.il").read_text()
     text = re.sub(rf"copy_{number}\b|[\w/-]+\.sv:[\d.-]+", "", text)
     lines = [line for line in text.splitlines() if not re.match(r" *attribute|autoidx|#", line)]
@@ -179,7 +179,7 @@ def _netlist(folder, number):
 
 
 def _looked_into(run, text):
-    """Whether the tests name a signal that is no port, or a block inside."""
+    """Whether the tests name an inner block or a signal that is not a port."""
     head = mutate.head_of(text, f"msn_{run['block']}")
     named = [name for name in mutate.named(run) if not re.search(rf"\b{name}\b", head)]
     body = text.replace(head, "")

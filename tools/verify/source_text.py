@@ -1,7 +1,7 @@
-"""A block's source with one of the changes of source_mutants.py, or with many, of which an input chooses one.
+"""A block's source with one change of source_mutants.py, or with many, one of which an input selects.
 
 alone(text, change)               the text with this change
-together(text, numbered, width)   the text with all of {number: Change}; `mutsel` chooses one, 0: none
+together(text, numbered, width)   the text with all of {number: Change}; `mutsel` selects one, 0: none
 """
 
 import re
@@ -16,7 +16,7 @@ def alone(text, change):
 
 
 def together(text, numbered, width):
-    """The source with all changes {number: Change}; an input ``mutsel`` of ``width`` bits chooses."""
+    """The source with all changes {number: Change}; an input ``mutsel`` of ``width`` bits selects one."""
     spans, crossed = {}, {}
     for number, change in numbered.items():
         if change.outputs:
@@ -44,13 +44,13 @@ def together(text, numbered, width):
 
 
 def _rendered(text, spans, inserted, start, end, within=None):
-    """The source between two offsets, every choice in its place, the inner ones in the outer."""
+    """The source between two offsets with every choice inserted; choices may be nested."""
     out, at = [], start
     inside = [s for s in spans if start <= s[0] and s[1] <= end and s != within]
     points = sorted([(s[0], -s[1], s) for s in inside] + [(p, 1, None) for p in inserted if start <= p < end])
     for place, _, span in points:
         if place < at:
-            continue  # in one that is done
+            continue  # inside a choice already rendered
         out.append(text[at:place])
         at = place
         if span is None:

@@ -1,4 +1,4 @@
-"""Two copies of a block that hold different things, and what of their state may say when that counts."""
+"""Two copies of a block with different states, and conditions on the state under which they must agree."""
 
 import re
 from collections import defaultdict
@@ -8,13 +8,13 @@ from itertools import permutations
 
 from verify.aig import FALSE, TRUE, Aig
 
-WIDEST = 16  # bits of a word whose single bits are conditions
-SMALL = 5  # bits of a register whose every value is a condition
-PLACE = re.compile(r"\[(\d+)\]$")  # behind the name of a memory: one of its words
+WIDEST = 16  # up to so many bits, a word's single bits are conditions
+SMALL = 5  # up to so many bits, each value of a register is a condition
+PLACE = re.compile(r"\[(\d+)\]$")  # ends the name of a memory's word
 
 
 def masked_by(output, outputs, qualifiers):
-    """What has to hold for ``output`` to count: one of [(output, wanted value)]; if empty, nothing."""
+    """``output`` counts if one of the returned [(output, wanted value)] holds, or if the list is empty."""
     if output in qualifiers:
         return [(name.lstrip("!"), name[0] != "!") for name in qualifiers[output].split()]
     if re.search(r"(valid|ready)_o$", output):
@@ -24,11 +24,11 @@ def masked_by(output, outputs, qualifiers):
 
 
 class Pair:
-    """Two copies side by side in one graph, ``a`` and ``b``, for a clock, and what they hold after it.
+    """Two copies, ``a`` and ``b``, side by side in one graph for one clock, and their states after it.
 
-    ``same``: registers (Q) that both hold alike; ``ties``: {input: constant, or "!other": 0 while that input
-    is 1}; ``boxes``: False lets a product hand its operands through, for simulation; ``before``: the pair of
-    the clock before. ``free``: the inputs as nobody ties them.
+    ``same``: registers (Q) that are equal in both; ``ties``: {input: constant, or "!other": 0 while that
+    input is 1}; ``boxes``: False makes a product pass its operands through, for simulation; ``before``: the
+    pair of the previous clock. ``free``: the inputs without ties.
     """
 
     def __init__(self, circuit, same=(), ties=None, boxes=True, before=None):
@@ -45,7 +45,7 @@ class Pair:
         else:
             self.a = {bit: graph.input() for bit in circuit.registers}
             self.b = {bit: self.a[bit] if bit in same else graph.input() for bit in circuit.registers}
-        self.boxes = {}  # a product's: whatever it gives, it gives the same to the same operands
+        self.boxes = {}  # free results of products, but equal for equal operands
         self.known = {"a": self.copy(self.a, "a"), "b": self.copy(self.b, "b")}
         self.after = {
             side: {bit: known[next_bit] for bit, next_bit in circuit.registers.items()}
@@ -53,7 +53,7 @@ class Pair:
         }
 
     def tied(self, bit, index, value):
-        """Literal of an input's bit, the ``index``-th of its port, that is tied so."""
+        """Literal of an input bit, the ``index``-th of its port, tied to ``value``."""
         if isinstance(value, int):
             return TRUE if value >> index & 1 else FALSE
         other = self.circuit.inputs[value.removeprefix("!"), 0]
@@ -63,7 +63,7 @@ class Pair:
         return [bit for (name, _), bit in self.circuit.outputs.items() if name.rpartition(".")[0] == box]
 
     def copy(self, state, side=None):
-        """Literals of a copy that holds ``state``."""
+        """Literals of a copy with this ``state``."""
         results = defaultdict(list)
         for (name, _), bit in self.circuit.inputs.items():
             if "." in name:
@@ -80,7 +80,7 @@ class Pair:
         return handed.build(self.graph, {**self.inputs, **state})
 
     def boxes_differ(self):
-        """[(operands differ, results differ)] of every box: not the second without the first."""
+        """[(operands differ, results differ)] of every box; the second must imply the first."""
         found = []
         for box, results in self.boxes["a"].items():
             given = self.differ(self.operands(box))
@@ -89,7 +89,7 @@ class Pair:
         return found
 
     def differ(self, bits):
-        """1 where the copies differ in one of ``bits``."""
+        """A literal that is 1 where the copies differ in one of ``bits``."""
         return self.graph.any(self.graph.differ(self.known["a"][bit], self.known["b"][bit]) for bit in bits)
 
     def outputs(self, qualifiers):
@@ -109,11 +109,11 @@ class Pair:
 
 
 def conditions(circuit, joined=()):
-    """{name: function of a graph and a copy's literals} of what hangs on the state alone.
+    """{name: function of a graph and a copy's literals} for conditions that depend on the state alone.
 
-    State bits, values of small registers, named signals, the bit of one that another points at, and whether a
-    place of a queue is filled. ``joined``: pairs of a small register and a bit: its values while that is 1 (0
-    with a ! before its name).
+    State bits, values of small registers, named signals, the bit that a register points at, and whether a
+    queue's place is filled. ``joined``: pairs of a small register and a bit; the conditions are the
+    register's values while the bit is 1 (0 with a ! before its name).
     """
     pair = Pair(circuit)
     graph, known = pair.graph, pair.known["a"]
@@ -173,13 +173,13 @@ def equals(graph, of, bits, value):
 
 
 def pointed_at(graph, of, bits, places):
-    """The bit of ``bits`` whose place ``places`` says; 0 beyond them."""
+    """The bit of ``bits`` at the index in ``places``; 0 beyond them."""
     each = (graph.both(of[bit], equals(graph, of, places, place)) for place, bit in enumerate(bits))
     return graph.any(each)
 
 
 def within(graph, of, place, begin, end):
-    """Is ``place`` of a queue between its two pointers, which have one bit more than a place?"""
+    """Whether ``place`` of a queue is between its two pointers, which have one bit more than a place."""
     begin, end = [of[bit] for bit in begin], [of[bit] for bit in end]
     filled, _ = graph.minus(end, begin)
     ahead, _ = graph.minus([TRUE if place >> i & 1 else FALSE for i in range(len(begin) - 1)], begin)
