@@ -163,19 +163,20 @@ HEAD = """# Constants of the physics
 
 `python tools/constants.py --page` writes this page from `ORIGINS` of the modules in `model/meissner/physics`.
 Each constant is *published* (a paper prints it), *read off* a figure or a sentence of a paper, from a
-*datasheet*, *computed* from others, or *chosen*. A scene's figures are worth what its chosen constants are
-worth; the last column says which figures those are.
+*datasheet*, *computed* from others, or *chosen*. A scene's figures are only as good as its chosen constants;
+the last column states which figures depend on a constant.
 
-## What the slip figures owe to constants
+## How the slip figures depend on constants
 
 `python tools/figures.py --record constants` changes one constant at a time{stale}.
-Missed, delay and lead: {runs} runs of `acrylic_slip`. False alarms: these and {presses} runs of
-`normal_force`, for constants that matter there. The delay is the median from the first partial slip to the
-flag, of all flags; the lead is the least from the flag to the slip of the whole contact, negative if a flag
-is late. A flag that is not before it is a miss.
+Missed slips, delay and lead are from {runs} runs of `acrylic_slip`. False alarms are from these runs and
+{presses} runs of `normal_force`, for constants that affect them. The delay is the median time from the first
+partial slip to the flag, over all flags. The lead is the shortest time from the flag to the slip of the whole
+contact; it is negative if a flag is late. A flag that is not raised before that slip is a miss.
 """
-HELD_HEAD = """The same of `cop_slip`, slip from four wires: {pulls} pulls and {grips} runs of grip alone. The
-delay is from the pull's beginning, the lead to the object's move. The median is of all pulls, fast and slow.
+HELD_HEAD = """The same for `cop_slip`, slip from four wires: {pulls} pulls and {grips} runs with grip alone.
+The delay starts at the beginning of the pull, the lead ends when the object moves. The median is over all
+pulls, fast and slow.
 """
 
 

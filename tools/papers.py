@@ -27,7 +27,7 @@ from verify import revision
 
 FOLDER = toolchain.ROOT / "docs/papers"
 NAMES = tuple(sorted(path.stem for path in (toolchain.ROOT / "tools/published").glob("[!_]*.py")))
-HEADER = ("figure", "what", "published", "ours", "difference", "constants it owes")
+HEADER = ("figure", "what", "published", "ours", "difference", "constants of ours")
 
 
 def markdown(header, rows):

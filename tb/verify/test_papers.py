@@ -50,7 +50,7 @@ def test_rows_stand_under_the_heading_before_them_and_stale_ones_say_so(monkeypa
         json.dumps({"parts": [part.__dict__ for part in parts], "pictures": [["a.png", "A curve."]]})
     )
     page = papers.page("a", recorded, False).split("\n\n")
-    header = "| figure | what | published | ours | difference | constants it owes |\n|" + " --- |" * 6
+    header = "| figure | what | published | ours | difference | constants of ours |\n|" + " --- |" * 6
     assert page[:2] == ["# A paper", "About it."]
     assert page[2].startswith("`python tools/papers.py --record a` computes this page. ")
     assert page[3:] == [

@@ -51,7 +51,7 @@ def gain(folder, measured):
     _plain(axis, "amplifier gain", "sensor output (V)", "2: lines eq. 18, dots the demodulated carrier")
     return _save(
         figure, folder, "capacitive_array_gain.png"
-    ), "Figure 2: what unselected cells take, over the gain."
+    ), "Figure 2: output with unselected cells, over the gain."
 
 
 def one_cell(folder, measured):
@@ -99,8 +99,8 @@ def one_cell(folder, measured):
     repeat.plot([0, 160], [0, 160], color="#999999", lw=1)
     _plain(repeat, "force of the probe (g)", "cell (g)", "7: twelve presses")
     return _save(figure, folder, "capacitive_array_cell.png"), (
-        "Figures 4 to 7, one calibrated cell. Grey: what presses. The curve bends away from it at "
-        "both ends; the cell lags a cycle of a second by the force that is late."
+        "Figures 4 to 7, one calibrated cell. Grey: the applied force. The curve deviates from it at both "
+        "ends; in a cycle of one second the cell lags behind."
     )
 
 
@@ -113,7 +113,7 @@ def probe(folder, measured):
         _plain(axis, "", "code", f"8: cell {k + 1}, peak at {given['peaks'][k][0]:.2f} mm")
     axes[-1].set_xlabel("place of the probe (mm)", fontsize=13)
     return _save(figure, folder, "capacitive_array_probe.png"), (
-        "Figure 8: three neighbours while a probe of 100 g passes; codes of our demodulator."
+        "Figure 8: three neighbouring cells while a probe of 100 g passes; codes of our demodulator."
     )
 
 
@@ -164,7 +164,7 @@ def tabs(folder, _):
     _plain(right, "tab (mm)", "force for a rise (g)", "range of forces")
     return _save(figure, folder, "capacitive_array_tabs.png"), (
         "Equations 2 to 7 as figures: with tabs the rise of capacitance and the range of forces depend on "
-        "the tab's height; a flat sheet of rubber that all but keeps its volume feels next to nothing."
+        "the tab's height; a flat sheet of nearly incompressible rubber shows almost no change."
     )
 
 

@@ -28,9 +28,9 @@ def rows():
         *("none at 10 ms", "none"),
     )
     said = {
-        16: ("grip rises while the glass is filled", "the glass hardly moves"),
+        16: ("the grip rises while the glass is filled", "the glass hardly moves"),
         17: (
-            "grip loosens until a slip is flagged, then tightens",
+            "the hand loosens its grip until a slip is flagged, then tightens it",
             "the glass moves by 0.5 mm only, for minutes",
         ),
     }
@@ -38,8 +38,8 @@ def rows():
         scene, found = held(name, seeds)
         row, lasts_s = statistics(scene.conditions[0], joined([found])), scene.world["duration_s"]
         ours = (
-            f"{row['runs']} runs of {lasts_s:.0f} s, {row['dropped']} dropped; way at "
-            f"most {row['moved_mm_max']:.3f} mm: sag {row['sag_mm_max']:.3f}, slipped rings "
+            f"{row['runs']} runs of {lasts_s:.0f} s, {row['dropped']} dropped; displacement at most "
+            f"{row['moved_mm_max']:.3f} mm: sag {row['sag_mm_max']:.3f}, slipped rings "
             f"{row['ring_mm_max']:.3f}, slip {row['slip_mm_max']:.3f}"
         )
         apart = "no number published" if number == 16 else f"{row['moved_mm_max'] - 0.5:+.2f} mm"
@@ -54,5 +54,6 @@ def draw(folder):
         file = f"initial_slip_{number}.png"
         pictures.draw(folder / file, scene, scene.conditions[0], 1, found.trace)
         Image.open(folder / file).quantize(64).save(folder / file, optimize=True)  # halves the file size
-        shown.append((file, f"Figure {number}: `{name}`, seed 1: grip force, Haar detail, the glass's way"))
+        caption = f"Figure {number}: `{name}`, seed 1: grip force, Haar detail, the glass's displacement"
+        shown.append((file, caption))
     return shown

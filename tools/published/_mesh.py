@@ -14,10 +14,10 @@ from mesh_figures import errors
 from published import Row, Table
 from published._parts import EXACT, NONE, figure, label, owes, percent, save, signed
 
-HEAD = """The mesh's equations are exact here, so these are the circuit's own errors; `meissner budget
---cop4` shows what a converter adds ([cop4.md](../cop4.md)). Position errors are distances as a fraction of
-the range from -1 to 1; the paper does not say how it normalises its own. Drawings and photographs have no
-row: figures 1 to 4 and 12."""
+HEAD = """The mesh's equations are solved exactly, so these are the circuit's own errors; `meissner budget
+--cop4` shows the errors that a converter adds ([cop4.md](../cop4.md)). Position errors are distances as a
+fraction of the range from -1 to 1; the paper does not state how it normalises its own. Figures 1 to 4 and 12
+are drawings and photographs and have no row."""
 
 DRAWS = 1000  # the paper has 100; with 1000 the averages of our tables vary by less than their last digit
 R_OVER_RP = {  # table I
@@ -52,7 +52,7 @@ def drops():
     lost = 1e3 * (solution.E1 - solution.E2 - (solution.Va - solution.Vb)[at])
     ours = f"{lost.min():.1f} to {lost.max():.1f} mV less than between the electrodes"
     what = "voltage at three loaded places, 5 N together, r = 10"
-    yield Row("fig. 6", what, "falls where pressed (surface)", ours, NONE, owes(K))
+    yield Row("fig. 6", what, "falls where loaded (surface)", ours, NONE, owes(K))
     depth = ", ".join(f"{drop:.3f}" for drop in found)
     yield Row(
         "fig. 7", "fig. 5 for r = 10, 47, 100, 150", "grows with r (curve)", f"{depth} V", NONE, owes(K)
@@ -76,7 +76,7 @@ def six_points():
     r = 0.05 * mesh_loads.K_PAPER / 5
     place, load = errors(mesh_loads.cop_six_random(r, 5.0, DRAWS))
     ours = f"at 0.05 (5 N, r = {r:.1f}): position {percent(place, 3)} %, load {percent(load)} %"
-    what = "what r/rp below 0.05 leaves, six points"
+    what = "errors with r/rp below 0.05, six points"
     yield Row("IV-C", what, "sufficient accuracy", ours, "none: no number is given", owes(K))
 
 
@@ -91,7 +91,7 @@ def two_points():
     solution = scene.mesh.solve(scene.load)
     ours = f"{solution.load[10]:.2f} N of 10, {solution.load[20]:.2f} N of 20"
     what = "two equal loads, 5×5, r = 47"
-    yield Row("fig. 11", what, "falls behind as load grows (curve)", ours, NONE, owes(K))
+    yield Row("fig. 11", what, "lags as load grows (curve)", ours, NONE, owes(K))
 
 
 def resolved(r0_ohm, bits=16, load_n=5.0):
@@ -140,18 +140,17 @@ def rubber_for(rest_n):
 def impulse():
     load_s = mesh_run._response_s(blow(0.0)[0], blow(0.0)[0].solution.load)
     at_rest = {rest_n: blow(rest_n)[2] for rest_n in REST_N}
-    ours = f"load {1e3 * load_s:.2f} ms; position at once, the first sample of {1e6 / RATE_HZ:.0f} µs"
+    ours = f"load {1e3 * load_s:.2f} ms; position from the first sample of {1e6 / RATE_HZ:.0f} µs"
     why = (
-        "nothing conducts before the blow, and one time constant of all taxels leaves the quotient of "
-        "eq. 27: "
-        "the position has no transient of its own"
+        "nothing conducts before the blow, and the common time constant of all taxels cancels in the "
+        "quotient of eq. 27: the position itself has no transient"
     )
     what = "position output after a blow, 3×3, r = 47"
     chosen = "response_s of the scene (published), rest_n of the scene (chosen)"
     yield Row("fig. 13", what, "settles in about 0.6 ms", ours, why, chosen)
     some = "; ".join(f"{rest_n:g} N: {1e3 * at_rest[rest_n]:.2f} ms" for rest_n in REST_N[1:])
-    what = "the same with taxels that conduct at rest, together as so much load"
-    why = "0.6 ms of the position then asks a rubber slower than 0.6 ms: the table below"
+    what = "the same with taxels that conduct at rest; their total is given as a load"
+    why = "a position that settles in 0.6 ms then needs a rubber slower than 0.6 ms: the table below"
     yield Row("fig. 13", what, "settles in about 0.6 ms", some, why, chosen)
 
 
@@ -170,7 +169,8 @@ def stroke():
     ours = f"a circle of radius {locus['radius']:.4f}, out of round by {100 * locus['roundness']:.3f} %"
     what = "a finger draws a circle of radius 0.5 on a hemisphere over 3×3, r = 47"
     owed = owes("mesh_loads.COVER_RADIUS", "mesh_loads.LEAST_DEPTH")
-    yield Row("figs. 14, 15", what, "a neat locus (curve)", ours, f"{NONE}; hangs on the cover, below", owed)
+    apart = f"{NONE}; depends on the cover, below"
+    yield Row("figs. 14, 15", what, "a neat locus (curve)", ours, apart, owed)
 
 
 def tables():
@@ -194,7 +194,7 @@ def tables():
         uneven = errors(mesh_loads.cop_six_random(10.0, 20.0, DRAWS, split="random"))
         place, load = (100 * (u.mean() / e.mean() - 1) for u, e in zip(uneven, found[10.0, 20.0]))
         text = (
-            f"Equal shares. Random ones make the position's errors {place:.0f} % larger, the load's "
+            f"Equal shares. With random shares the position errors are {place:.0f} % larger, the load errors "
             f"{load:.0f} %."
         )
         yield Table(name, text if not index else "", header, rows)
@@ -204,7 +204,7 @@ def tables():
         step, volts = resolved(r0)
         rows.append((f"{r0 / 1e3:g} kΩ", f"{volts:.1f} V", f"{100 * step:.3f} %"))
     text = (
-        "One point of 5 N, 41×41, r = 10: a code of 16 bits over ±15.75 V, in the difference of two "
+        "One point of 5 N, 41×41, r = 10: one code of 16 bits over ±15.75 V in the difference of two "
         "electrodes."
     )
     header = "R0", "I R0", "one code, of the range"
@@ -213,16 +213,13 @@ def tables():
     rows = []
     for rest_n in REST_N:
         took_s, rubber_s = blow(rest_n)[2], rubber_for(rest_n)
-        slower = "no rubber does" if rubber_s is None else f"{1e3 * rubber_s:.2f} ms"
+        slower = "none" if rubber_s is None else f"{1e3 * rubber_s:.2f} ms"
         rows.append((f"{rest_n:g} N", f"{1e3 * took_s:.2f} ms", slower))
     text = (
-        "A blow of 5 N at the right edge. The centre goes from the middle, where the taxels' "
-        "conductance at rest "
-        "holds it, to the blow: x = f/(f + rest/5 N) with f = 1 - exp(-t/τ) of the force there, τ a "
-        "third of the "
-        "rubber's time to 95 %. With much at rest the position takes as long as the load; a sensor with "
-        "nothing "
-        "at rest needs a threshold or the divider's own settling to show any time at all."
+        "A blow of 5 N at the right edge. The centre moves from the middle, where the taxels' conductance "
+        "at rest holds it, to the blow: x = f/(f + rest/5 N) with f = 1 - exp(-t/τ) of the force there; τ "
+        "is a third of the rubber's time to 95 %. With a high conductance at rest the position settles as "
+        "slowly as the load; without any, only a threshold or the divider's own settling can cause a delay."
     )
     header = (
         "conductance at rest, as load",
@@ -236,14 +233,12 @@ def tables():
         for radius, (locus, _) in covers().items()
     ]
     text = (
-        "A circle of radius 0.5 on hemispheres of other radii, in units of the half range (a pitch is "
-        "1). A low "
-        "cover passes the force to the nearest of nine taxels, so the locus is a square turned by 45°; "
-        "it is round "
-        "only near 1.5, the chosen radius, which just covers taxels as wide as their pitch."
+        "A circle of radius 0.5 on hemispheres of other radii, in units of the half range (a pitch is 1). A "
+        "low cover passes the force to the nearest of nine taxels, so the locus is a square turned by 45°; "
+        "it is round only near 1.5, the chosen radius, which just covers taxels as wide as their pitch."
     )
     header = "radius of the cover", "radius of the locus", "out of round"
-    yield Table("The cover of the stroke (mesh, figs. 14, 15)", text, header, rows)
+    yield Table("The cover and the circle (mesh, figs. 14, 15)", text, header, rows)
 
 
 def six_errors():
@@ -307,7 +302,7 @@ def draw(folder):
         rounds.append(100 * circle(solution.x, solution.y)["roundness"])
     axes[1].semilogy(fine, rounds, lw=2)
     label(axes[1], "radius of the cover", "out of round (%)", legend=False)
-    caption = "A circle drawn on hemispheres (figure 15), and how round it comes out"
+    caption = "A circle drawn on hemispheres (figure 15), and its roundness"
     pictures.append((save(drawn, folder, "mesh_covers.png"), caption))
 
     drawn, axis = figure(height=3.8)

@@ -9,8 +9,8 @@ from published import Row, Table
 from published._mesh import PUBLISHED_S, blow
 from published._parts import EXACT, NONE, figure, label, owes, save
 
-HEAD = """The same circuit as the mesh's, so [shear_and_mesh](shear_and_mesh.md) has its errors. Drawings and
-photographs have no row: figures 1 to 4, 6 and 12."""
+HEAD = """The circuit is that of the mesh, so [shear_and_mesh](shear_and_mesh.md) has its errors. Figures
+1 to 4, 6 and 12 are drawings and photographs and have no row."""
 R_OHM = 150.0  # VI
 VOLTS = 3.0  # figure 8: one step of one element
 HYSTERESIS = 0.1  # of the force, unloading above loading; chosen: figure 7's loop has no readable numbers
@@ -53,9 +53,8 @@ def shares():
     half = list(LEFT_N).index(1.5)
     ours = f"{x[half]:.3f} of the half range at 1.5 N ({VOLTS * x[half]:.2f} V), {x[-1]:.3f} at 3 N"
     why = (
-        f"a line gives {straight[half]:g} at 1.5 N; eq. 24 gives (3-F)/(3+F) = {centre[half]:.3f}, as "
-        "the total grows "
-        f"too, and the layers' drop takes {centre[half] - x[half]:.3f} of it"
+        f"a line gives {straight[half]:g} at 1.5 N; eq. 24 gives (3-F)/(3+F) = {centre[half]:.3f}, since "
+        f"the total also grows, and the layers' drop reduces it by {centre[half] - x[half]:.3f}"
     )
     what = "3 N on the right, 0 to 3 N on the left, r = 150"
     published = "proportional to the left load; 0 V when equal"
@@ -85,7 +84,7 @@ def loop():
         what,
         "rising and falling differ (loop)",
         ours,
-        f"{NONE}: the curve has no readable scale",
+        f"{NONE}, since the curve has no readable scale",
         owed,
     )
 
@@ -117,16 +116,16 @@ def bare_rows():
     load[:, 2, 4], load[:, 0, 0], load[0, 1, 1] = 3.0, 2.0, 4.0
     found, whole = CutMesh(mesh, rubber=rubber).solve(load), mesh.solve(load[1])
     off = max(abs(found.x[0] - whole.x), abs(found.y[0] - whole.y))
-    ours = f"the loads on rubber as on the whole mesh, to {max(off, 1e-12):.0e}; 4 N beside them are not felt"
-    what = "elements without rubber: 5×5, every second row and column bare"
+    ours = f"loads on rubber as on the complete mesh, to {max(off, 1e-12):.0e}; 4 N on a bare one: no effect"
+    what = "elements without rubber: every second row and column of 5×5 bare"
     yield Row("IV-E, fig. 5 (b)", what, "possible: r_p is infinite there", ours, "none", EXACT)
 
 
 def cut_rows():
     *_, plain, fitted = pressed(*CUTS["3×3, a corner"])
     ours = (
-        f"one corner gone: up to {100 * plain.max():.0f} % of the range off by the whole mesh's constants, "
-        f"{100 * fitted.max():.1f} % with a gain fitted for each axis"
+        f"one corner missing: errors up to {100 * plain.max():.0f} % of the range with the complete mesh's "
+        f"constants, {100 * fitted.max():.1f} % with a gain fitted for each axis"
     )
     published = "can be cut from the sheet; no error is given"
     yield Row(
@@ -136,8 +135,8 @@ def cut_rows():
 
 def others():
     _, _, settled_s = blow(0.5)
-    what, published = "position output after a blow", "settles in about 0.6 ms, mostly the rubber's"
-    ours = f"at once; {1e3 * settled_s:.2f} ms with 0.5 N of conductance at rest beside 5 N"
+    what, published = "position output after a blow", "settles in about 0.6 ms, mostly due to the rubber"
+    ours = f"at once; {1e3 * settled_s:.2f} ms with a conductance at rest of 0.5 N in addition to 5 N"
     chosen = f"response_s of the scene ({1e3 * PUBLISHED_S:g} ms, published), conductance at rest (chosen)"
     yield Row("fig. 10", what, published, ours, "see [shear_and_mesh](shear_and_mesh.md)", chosen)
     owed = owes("mesh_loads.COVER_RADIUS")
@@ -161,17 +160,13 @@ def table():
             )
         )
     text = (
-        "One element after the other under 3 N, r = 150. Where nodes are missing a coordinate is no "
-        "longer harmonic "
-        "(eq. 6), and a layer conducts less between its electrodes, so that eq. 16 and 17 with the "
-        "whole mesh's "
-        "constants report places too far out. A gain for each axis, found by pressing each element "
-        "once, takes "
-        "that out. What remains is that an element whose way to one electrode is cut is reported near "
-        "the other: "
-        "a sheet must be cut evenly, its edges wired again, or its places taken from a table. Loads are "
-        "those of "
-        "eq. 26. `meissner.physics.mesh.cut` solves what is left."
+        "Each element in turn under 3 N, r = 150. Where nodes are missing, a coordinate is no longer "
+        "harmonic (eq. 6), and a layer conducts less between its electrodes, so eq. 16 and 17 with the "
+        "complete mesh's constants report positions too far out. A gain for each axis, found by pressing "
+        "each element once, corrects this. It does not correct that an element whose path to one electrode "
+        "is cut is reported near the other: such a sheet must be cut evenly, its edges rewired, or its "
+        "positions looked up in a table. Loads are those of eq. 26. `meissner.physics.mesh.cut` solves the "
+        "remaining mesh."
     )
     header = "cut out", "position error, mean / worst", "gain for x, y", "with it", "load of 3 N"
     yield Table("Elements cut from the sheet (net, VIII)", text, header, rows)
@@ -206,6 +201,6 @@ def draw(folder):
         axis.set_aspect("equal")
         label(axis, "x", "y", name.removeprefix("3×3, ") + " gone", legend=False)
     axes[0].legend(frameon=False, fontsize=11, loc="upper center", bbox_to_anchor=(0.5, -0.25))
-    caption = "One element after the other under 3 N, on sheets with elements cut out (figure 13)"
+    caption = "Each element in turn under 3 N, on sheets with elements cut out (figure 13)"
     pictures.append((save(drawn, folder, "net_cut.png"), caption))
     return pictures

@@ -69,9 +69,9 @@ def of_pull():
     reached = np.argmax(vc >= vc[0] + 0.9 * (vc[round(0.5 * gross * RATE)] - vc[0]))
     yield Row(
         "Fig. 6",
-        "Vc rises with the force, to its greatest",
-        "at once, by 0.01 mm or less",
-        f"at once; nine tenths by {0.5 * time_s[reached]:.3f} mm",
+        "Vc rises with the force, to its maximum",
+        "immediately, by 0.01 mm or less",
+        f"immediately; nine tenths by {0.5 * time_s[reached]:.3f} mm",
         "none",
         "SHEAR_FULL_MM (published)",
     )
@@ -91,9 +91,9 @@ def of_pull():
         "Fig. 5",
         "tangential force while it slides",
         "almost constant",
-        f"a saw from {sliding.min():.2f} to {sliding.max():.2f} N",
+        f"a sawtooth from {sliding.min():.2f} to {sliding.max():.2f} N",
         f"not as published, and above the static {pull.tension_n[round(gross * RATE)]:.2f} N: with a drive "
-        "this stiff, sticks whose length is drawn go too far (the scenes' string is 250 times as soft)",
+        "this stiff, sticks of random length go too far (the scenes' string is 250 times as soft)",
         "MATERIALS (chosen), STIFFNESS_N_MM (read off)",
     )
     yield Row(
@@ -101,7 +101,7 @@ def of_pull():
         "while it slides",
         "small changes at random, also in the force (circled places)",
         f"{len(pull.slips_s)} stick-slips in {8 - gross:.1f} s",
-        "the published record shows some; ours are many and small",
+        "the published record shows a few; ours are many and small",
         "SLIDING_SHARE, MATERIALS (chosen), STIFFNESS_N_MM (read off)",
     )
 
@@ -135,14 +135,14 @@ def of_shear():
         "Vc after the shear stops, from 2 V at 0.05 mm/s",
         "falls gradually (CoP slip: to about 3 V in about 5 s; slip sensor, below: to the initial state)",
         f"after 5 s {restored[five]:.2f} V restored, {converged[five]:.2f} V converged",
-        "the papers disagree; `recovers` in a scene's condition, 1 where it is not set",
+        "the papers disagree; `recovers` in a scene's condition selects one (default 1)",
         "RESTORED (published), CONVERGED (computed), RECOVERY_S (published)",
     )
     left = [2.0 + (1.0 - rubber.CONVERGED) * volts for volts in STEP_V.values()]
     yield Row(
         "CoP slip, figs. 6 to 8",
-        "where table 1's own steps would converge",
-        "about 3 V, not quite the same for each",
+        "voltage to which table 1's own steps would converge",
+        "about 3 V, slightly different for each",
         f"{', '.join(f'{volts:.2f}' for volts in left)} V",
         f"mean {np.mean(left) - 3:+.2f} V",
         "CONVERGED (computed)",
@@ -182,7 +182,7 @@ def of_shear():
         "Eq. 3, 5",
         "speed from ΔV and k: the exponent",
         "-0.11",
-        f"1/0.11: 0.05 mm/s comes back as {solved:.2f} mm/s; as printed, as {printed:.2f} mm/s",
+        f"1/0.11: 0.05 mm/s is recovered as {solved:.2f} mm/s; as printed, as {printed:.2f} mm/s",
         "misprint: eq. 1 solved for v has 1/n",
         "none",
     )
@@ -201,10 +201,10 @@ def of_sensor():
     during = stays[1][(stays[0] > 4.3) & (stays[0] < stays[2])]
     yield Row(
         "Fig. 3",
-        "Vc while the shear goes on, and after it",
+        "Vc during the shear and after it",
         "constant; restored to the initial state gradually",
         f"constant to {1e3 * np.ptp(during):.0f} mV; 10 s later {stays[1][-1]:.2f} V",
-        "none; the CoP slip paper says otherwise (above)",
+        "none; the CoP slip paper states otherwise (above)",
         "RESTORED, RECOVERY_S (published)",
     )
     thin_hz = rubber.RING_HZ * np.sqrt(rubber.THICKNESS_MM / 0.5)
@@ -220,7 +220,7 @@ def of_sensor():
     _, pull, _, _ = pulled(rubber.PUBLISHED_ONSET)
     yield Row(
         "Fig. 8, 9",
-        f"{PULL}: static friction; Vc changes sharply before the slip",
+        f"{PULL}: static friction lasts; Vc changes sharply before the slip",
         "until 0.4 s; about 0.3 s before it",
         f"until {pull.gross_s:.2f} s; {pull.gross_s:.2f} s before it",
         f"{pull.gross_s - 0.4:+.2f} s",
@@ -273,15 +273,15 @@ def compute():
     return [
         Table(
             "Pressure-conductive rubber and shear (journal)",
-            "Figures 3, 4 and 7 are drawings; the text before figure 3 is not in the copy that was read. "
+            "Figures 3, 4 and 7 are drawings; the text before figure 3 is missing in the copy that was used. "
             "Tables 1 and 2 disagree by a factor of two, and the model follows table 2.",
         ),
         *of_pull(),
         *of_shear(),
         Table(
             "Development of High-Sensitivity Slip Sensor",
-            "Figures 1, 2, 6 and 7 are drawings. Its slip-prevention experiments are not in the copy that "
-            "was read.",
+            "Figures 1, 2, 6 and 7 are drawings. Its slip-prevention experiments are missing in the copy "
+            "that was used.",
         ),
         *of_sensor(),
     ]

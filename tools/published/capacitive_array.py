@@ -13,11 +13,11 @@ from published import Row, Table, _capacitive_pictures
 
 TITLE = "Performance Analysis of a Tactile Sensor (8×8 capacitive array)"
 HEAD = """
-Siegel, Drucker, Garabieta, 1987. The paper's figures are known here by their text and axes only; where it
+Siegel, Drucker, Garabieta, 1987. Only the text and axes of the paper's figures are known here; where it
 prints no number, none is compared. The text is uncertain in two places: equations 2 to 7 call the direction
-of the force x in one sentence and z in the next (x here), and the signs and subscripts of equation 15 cannot
-be read (Kirchhoff's law at the amplifier gives it again). In the rows of objects: load pressed, load read,
-and load with the second-order term of [capacitive.md](../capacitive.md).
+of the force x in one sentence and z in the next (x here), and the signs and subscripts of equation 15 are
+illegible (Kirchhoff's law at the amplifier gives the equation). The rows of objects give the applied load,
+the reported load, and the load with the second-order term of [capacitive.md](../capacitive.md).
 """
 SEEDS = range(1, 9)
 PER_MM2 = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2
@@ -113,7 +113,7 @@ def design():
             "range 0 to 200 g/mm²",
             "“suitable performance”",
             f"200 g/mm² on a tab are {at_200:.0f} g: capacitance +{rises[0]:.0f} % at 0.75 mm, "
-            f"+{rises[1]:.0f} % at 0.25 mm, a tab pressed to {heights[0]:.0f} and {heights[1]:.0f} %",
+            f"+{rises[1]:.0f} % at 0.25 mm, a tab compressed to {heights[0]:.0f} and {heights[1]:.0f} %",
             "–",
             "MODULUS_MPA chosen",
         ),
@@ -121,7 +121,7 @@ def design():
             "design",
             "Ccell",
             "on the order of 1 pF",
-            f"1 pF taken; the printed sizes give {low:.3f} pF (tab 0.75 mm) to {high:.3f} pF (0.25 mm)",
+            f"1 pF is used; the printed sizes give {low:.3f} pF (tab 0.75 mm) to {high:.3f} pF (0.25 mm)",
             f"{1 / high:.0f} to {1 / low:.0f} times",
             "CELL_F, TRACE_MM, PERMITTIVITY published",
         ),
@@ -163,8 +163,7 @@ def crosstalk():
             "2",
             "“gain over about 200 is adequate”: output near 10 V",
             "about 10 V",
-            f"at G = 200 {volts} V; with the gain lagging 90°, as of a compensated amplifier, "
-            f"{lagging} % low",
+            f"at G = 200 {volts} V; with a phase lag of 90°, as of a compensated amplifier, {lagging} % low",
             f"{100 * rows[0]['low_by']:.1f} to {100 * rows[80]['low_by']:.0f} % low",
             "REF_F, CELL_F published",
         ),
@@ -172,7 +171,7 @@ def crosstalk():
             "design",
             "carrier from the gain-bandwidth product over 200",
             "200 kHz",
-            f"asks for a product of {hertz / 1e6:g} MHz",
+            f"needs a product of {hertz / 1e6:g} MHz",
             "–",
             "–",
         ),
@@ -205,8 +204,8 @@ def cell():
             "calibration",
             "straight line by least squares, per cell",
             "“adequate”: the response is linear",
-            f"top of a cycle {over_seeds('cell', 'low_at_full_g')} g low, of that the curve "
-            f"{over_seeds('cell', 'low_settled_g')} g, the rest late force; settled presses at most "
+            f"top of a cycle {over_seeds('cell', 'low_at_full_g')} g low, of which nonlinearity "
+            f"{over_seeds('cell', 'low_settled_g')} g, the rest creep; settled presses at most "
             f"{over_seeds('cell', 'settled_off_g')} g off, with a second-order term "
             f"{over_seeds('cell', 'settled_off_second_order_g')} g",
             f"{over_seeds('cell', 'off_share', -100)} % low in presses of 150 g, with the second-order term "
@@ -217,7 +216,7 @@ def cell():
             "calibration",
             "fout = (cout − b)/m",
             "formula",
-            f"the same in integers, at most {integers_off_g():.2g} g from real numbers",
+            f"the same in integers, deviation at most {integers_off_g():.2g} g from real numbers",
             "–",
             "–",
         ),
@@ -226,7 +225,7 @@ def cell():
             "constant force, 240 s",
             "sags; comes back (no hysteresis)",
             f"reading rises by {100 * summary['sag_of_hold']:.2g} %; 0.5 s after release "
-            f"{over_seeds('cell', 'left_after_release_g')} g of 100 g are left, after 60 s "
+            f"{over_seeds('cell', 'left_after_release_g')} g of 100 g remain, after 60 s "
             f"{over_seeds('cell', 'left_after_rest_g')} g",
             "no number printed",
             "CREEP, EXPANDING chosen",
@@ -281,7 +280,7 @@ def images():
         ),
         Row(
             "calibration",
-            "even press, cell farthest from the mean",
+            "even press, cell with the largest deviation from the mean",
             "every cell should read the same",
             f"{100 * shapes['unevenness_before']:.1f} % before; calibrated by a probe, as published, "
             f"{100 * shapes['unevenness_calibrated_by_probe']:.1f} %, by even presses "
@@ -319,7 +318,7 @@ def images():
         Row("13", "connector of 6 pins", "bars", one("connector"), "–", "6 pins published, sizes chosen"),
         Row(
             "9–13",
-            "load of all objects",
+            "total load of the objects",
             "none printed",
             f"{mean_over_seeds('shapes', 'load_error')} off in the mean, with a second-order term "
             f"{mean_over_seeds('shapes', 'load_error_second_order')}; position "
@@ -342,9 +341,9 @@ def tabs():
         )
     return Table(
         "Height of the tab against the range of forces",
-        f"Grams, and grams per mm² of the tab, that raise the capacitance by the {100 * share:.3g} % which "
-        "100 g give at 0.75 mm; and what 50, 100 and 150 g add. A sheet without tabs, of rubber that keeps "
-        "its volume, adds nothing at any thickness.",
+        f"Grams, and grams per mm² of the tab, that raise the capacitance by {100 * share:.3g} %, as 100 g "
+        "do at 0.75 mm; and the rise with 50, 100 and 150 g. With an incompressible sheet without tabs there "
+        "is no rise at any thickness.",
         ("tab, mm", "g for the same rise", "g/mm²", "50 g: %", "100 g: %", "150 g: %"),
         tuple(rows),
     )

@@ -18,13 +18,13 @@ TITLE = "Slip from a centre of pressure, and a net of tactile elements"
 HEAD = """*Displacement of the pins of an Optacon-II in contact with a finger, and the receptors they reach*
 (in Japanese); *Development of High Speed and High Sensitivity Slip Sensor* ("CoP slip"), whose sensor gives
 a centre of pressure; *A Net-Structure Tactile Sensor Covering Freeform Surface with Reduced Wiring*
-("net"). "None stated": the paper shows a curve without numbers that could be read."""
-OPTACON = """An actuator that vibrates the skin, and no sensor: nothing in this repository has a counterpart
-yet. Figures 2 to 5, 7, 12 and 13 are drawings and photographs."""
-SLIP = """`meissner run cop_slip`: pulls in seven directions, at 1, 2 and 3 N, and three kinds of grip
-without slip, on the electrodes of a 7×7 mesh through converter, `msn_cop4` and `msn_cop_slip`. Figure 4:
-means over the pulls at 2 N, up to the moment the object moves; rates: all pulls, all runs. Figures 1 to 3,
-5 and 9 are drawings and photographs. Pictures: the first pull."""
+("net"). "None stated": the paper shows a curve without readable numbers."""
+OPTACON = """This is an actuator that vibrates the skin, not a sensor; this repository has no counterpart yet.
+Figures 2 to 5, 7, 12 and 13 are drawings and photographs."""
+SLIP = """`meissner run cop_slip` has pulls in seven directions, at 1, 2 and 3 N, and three kinds of grip
+without slip. The electrodes of a 7×7 mesh pass a converter, `msn_cop4` and `msn_cop_slip`. Figure 4 has means
+over the pulls at 2 N, up to the moment the object moves; rates are over all pulls and all runs. The picture
+shows the first pull. Figures 1 to 3, 5 and 9 are drawings and photographs."""
 OPTACON_ROWS = (
     ("fig. 1", "thresholds of vibration, four channels", "curves over frequency, after other papers"),
     ("table 1", "four receptors", "11, 59, 13, 101 mm² wide; 60, 10, 140, 20 in a cm²"),
@@ -88,8 +88,8 @@ def slip():
     yield Row("fig. 4 (a)", what, published, f"down by {100 * drop:.1f} %", between, owed)
     off = [v["direction_error_deg"] for *_, v, _ in runs(True) if v["direction_error_deg"] is not None]
     right = sum(bool(v["octant_right"]) for *_, v, _ in runs(True))
-    ours = f"{move_v:.4f} V; {np.mean(off):.1f}° off, {right} of {len(runs(True))} in the right eighth"
-    what, published = "position output of ±4 V", "moves by about 0.05 V, only the way it slips"
+    ours = f"{move_v:.4f} V; {np.mean(off):.1f}° off, {right} of {len(runs(True))} in the right octant"
+    what, published = "position output of ±4 V", "moves by about 0.05 V, only in the direction of the slip"
     yield Row("fig. 4 (b)", what, published, ours, beside(move_v, MOVE_V), owes("grip.LEVER_MM", "grip.TILT"))
     ours = f"{rise_n:.3f} N, an input"
     what, published = "grip force before the move", "rises by about 0.2 N"
@@ -98,7 +98,7 @@ def slip():
     missed = words(rate(sum(v["missed"] for *_, v, _ in runs(True)), len(runs(True))))
     false = words(rate(sum(v["false_alarms"] > 0 for *_, v, _ in every), len(every)))
     lead_ms = 1e3 * min(v["lead_s"] for *_, v, _ in runs(True) if v["lead_s"] is not None)
-    ours = f"missed: {missed}; a false alarm: {false}; worst lead {lead_ms:.0f} ms"
+    ours = f"missed: {missed}; false alarms: {false}; shortest lead {lead_ms:.0f} ms"
     what = f"flag before displacement, seeds {SEEDS[0]} to {SEEDS[-1]}"
     owed = owes("grip.LEVER_MM", "grip.TILT", "plate.MATERIALS")
     yield Row("III-A", what, "the start of slip can be detected", ours, NONE, owed)
@@ -114,11 +114,11 @@ def second_sensor():
         abs(a[4]["flag_s"] - b[4]["flag_s"]) for a, b in both if a[4]["flag_s"] and b[4]["flag_s"]
     )
     ours = f"down by {100 * np.mean(falls):.1f} % on both, {100 * apart:.1f} points apart at most"
-    why = "one rubber and half the pull each: the published 15 points are not reproduced"
-    what, published = "load outputs of the two sensors of the grip", "fall at once, by 1.0 and 1.3 N"
+    why = "both have the same rubber and half the pull: the published 15 points are not reproduced"
+    what, published = "load outputs of the two sensors of the grip", "fall immediately, by 1.0 and 1.3 N"
     yield Row("III-A", what, published, ours, why, owes(*SHEAR, "rubber.POINTS"))
     moves = np.array([[facts["move_v"] for *_, facts in pair] for pair in at_grip])
-    ours = f"{moves[:, 0].mean():.4f} and {moves[:, 1].mean():.4f} V, the second seen from its own side"
+    ours = f"{moves[:, 0].mean():.4f} and {moves[:, 1].mean():.4f} V, the second in its own coordinates"
     what = "their position outputs"
     yield Row("fig. 4 (b)", what, "the same on both", ours, "none", owes("grip.LEVER_MM", "grip.TILT"))
     ours = (
@@ -136,11 +136,10 @@ def covers():
         moved = mean("move_v", cover_mm=cover_mm) / bare
         parts.append(f"{cover_mm:g} mm of silicone: {moved:.2f} times")
     why = (
-        f"none, but no thickness is stated: a lever of {grip.LEVER_MM:g} mm with 0.2 and 0.6 mm on it "
-        "is two and "
-        "four times as long"
+        f"none, but the paper states no thickness: on a lever of {grip.LEVER_MM:g} mm, covers of 0.2 and "
+        "0.6 mm make it two and four times as long"
     )
-    what, published = "a layer of silicone on the sensor", "the position's move grows two or four times"
+    what, published = "a layer of silicone on the sensor", "the position moves two or four times as far"
     yield Row("III-A", what, published, "; ".join(parts), why, owes("grip.LEVER_MM"))
 
 
@@ -165,9 +164,9 @@ def cover_table():
             )
         )
     text = (
-        "The pull's moment acts at the top of the cover, so its thickness adds to the lever; the stress "
-        "in the "
-        "rubber, and so the load's fall, stays. The detector's settings are those of the bare sensor."
+        "The pull acts at the top of the cover, so the cover's thickness adds to the lever; the stress in "
+        "the rubber, and so the load's fall, does not change. The detector's settings are those of the bare "
+        "sensor."
     )
     header = (
         "silicone",
@@ -194,7 +193,7 @@ def sheared():
     ends = [
         2 + k * float(rubber.shear_level(time_s, speeds, recovers)[-1]) for recovers in (rubber.RESTORED, 0.4)
     ]
-    ours = f"{ends[0]:.2f} V: restored, as the 2011 paper says; {ends[1]:.2f} V with recovers = 0.4"
+    ours = f"{ends[0]:.2f} V: restored, as the 2011 paper states; {ends[1]:.2f} V with recovers = 0.4"
     what = "voltage 5 s after the shear at 1 mm/s, from 2 V"
     why = "the papers disagree; both are modelled"
     yield Row("figs. 6-8", what, "about 3 V", ours, why, owes("rubber.RECOVERY_S", "rubber.RESTORED"))
@@ -214,9 +213,9 @@ def shear_tables():
         own, ours = FIT[2][0] * speed ** FIT[2][1], k[2] * speed**n
         rows.append((f"{speed:g} mm/s", f"{step} V", f"{own:.2f} V", f"{ours:.2f} V", beside(ours, step)))
     text = (
-        "The steps of table I are about twice what table II of the same paper gives; ours follows table "
-        "II, and so "
-        "halves table I alike at every speed: the exponent agrees. Figures 6 to 8 draw the same steps."
+        "The steps of table I are about twice those that table II of the same paper gives. Ours follows "
+        "table II, so it is about half of table I at every speed: the exponent agrees. Figures 6 to 8 show "
+        "the same steps."
     )
     header = ("shear speed", "table I", "by its own table II", "ours", "ours beside table I")
     yield Table("Voltage step of sheared rubber at 2 V (CoP slip, tables I, II)", text, header, rows)

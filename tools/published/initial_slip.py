@@ -25,13 +25,13 @@ from published._wavelets import (
 TITLE = "Initial slip: the paper's figures, and ours"
 HEAD = """
 *High Sensitivity Initial Slip Sensor for Dexterous Grasp* presses an acrylic plate on a square of pressure-
-conductive rubber, pulls it until it slips, and separates the slip from a change of the normal force by the
-level-1 Haar detail of Vc. Ours are the scenes `acrylic_slip`, `slip_forces`, `slip_materials` and
-`normal_force`, seeds 1 to 20 through the scenes' own converters, analysed with PyWavelets. The sizes of the
-events and of the ripple were chosen to reach the paper's ±0.04 V and ±0.005 V, so those rows say nothing
-about a real sensor; that one threshold separates all cases follows from them. The hand's rows are of
-`grip_pour` (seeds 1 to 20) and `grip_release` (1 to 10), in closed loop
-([grip_scenes.md](../grip_scenes.md)): there the threshold and the step follow Vc. Figures 2, 3, 6 and 15 are
+conductive rubber, pulls it until it slips, and uses the level-1 Haar detail of Vc to distinguish slip from a
+change of the normal force. Ours are the scenes `acrylic_slip`, `slip_forces`, `slip_materials` and
+`normal_force`, seeds 1 to 20, with the scenes' own converters, analysed with PyWavelets. The sizes of the
+events and of the ripple were chosen to match the paper's ±0.04 V and ±0.005 V, so those rows are no evidence
+about a real sensor, and one threshold separates all cases because of this choice. The rows of the hand use
+`grip_pour` (seeds 1 to 20) and `grip_release` (1 to 10) in closed loop
+([grip_scenes.md](../grip_scenes.md)), where the threshold and the step follow Vc. Figures 2, 3, 6 and 15 are
 drawings and photographs.
 """
 PLATEAU_HZ = (200.0, 300.0, 400.0, 500.0)
@@ -76,7 +76,7 @@ def of_slip():
         "Fig. 1",
         "change of Vc: A while the rubber shears, B just before the slip",
         "both seen (curve)",
-        f"A: +{step.mean():.2f} V; B: {rubber.PATCHES} events in the mean",
+        f"A: +{step.mean():.2f} V; B: {rubber.PATCHES} events on average",
         "none stated",
         "SHEAR_LINE, SHEAR_EXPONENT (published); " + EVENTS,
     )
@@ -102,7 +102,7 @@ def of_slip():
         "when Vc fluctuates",
         "immediately before the plate slides",
         f"from {100 * share.mean():.1f} % of the rise on: the last {(rise * (1 - share)).mean():.2f} s",
-        "none stated; the high-sensitivity sensor's record has it from 12 % on (scene `slip_first_event`)",
+        "none stated; in the high-sensitivity sensor's record from 12 % on (scene `slip_first_event`)",
         "CONDUCTING_RADIUS (chosen)",
     )
     run = recording("acrylic_slip", "acrylic 2 N")
@@ -114,8 +114,8 @@ def of_slip():
         "Fig. 5",
         "CWT: 1 kHz and more, early in the pull and just before the slip",
         "few and weak early; 1 kHz or more just before",
-        f"mean power at 1, 2, 3 and 4 kHz {gain:.0f} times as great in the last 0.2 s",
-        "as published; our early part is the converter's noise alone",
+        f"mean power at 1, 2, 3 and 4 kHz {gain:.0f} times as large in the last 0.2 s",
+        "as published; our early part has only the converter's noise",
         EVENTS,
     )
     hertz = np.arange(1000.0, 5001.0, 50.0)
@@ -123,7 +123,7 @@ def of_slip():
     edge, _ = edge_hz("normal_force", "load 2 N", ramps(recording("normal_force", "load 2 N")))
     yield Row(
         "Fig. 5, 7; VI",
-        "frequency of slip beside that of the normal force",
+        "frequency of slip compared with that of the normal force",
         "several kHz, about ten times as high",
         f"strongest at {peak / 1e3:.2f} kHz, {peak / edge:.1f} times as high",
         "about half of the published ratio",
@@ -164,7 +164,7 @@ def of_method():
         "set to 1 to 5 kHz",
         f"Haar's upper half is 2.5 to 5 kHz: it passes 1 kHz with {100 * low:.0f} % and 600 Hz with "
         f"{100 * high:.0f} % of the power (white noise: 100 %)",
-        "the band's lower half is weakened, and 600 Hz is not cut off",
+        "the band's lower half is attenuated, and 600 Hz is not removed",
         "none",
     )
     scene = scenes.load("acrylic_slip")
@@ -181,7 +181,7 @@ def of_method():
     yield Row(
         "IV-B",
         "threshold on the coefficient",
-        "±0.01 V: all slips exceed it, no change of the normal force does",
+        "±0.01 V: exceeded by all slips, and by no change of the normal force",
         f"slips: {crossed(np.array(slips))}; normal force: {crossed(np.array(flat))}",
         "none",
         "EVENT_SHARE, RIPPLE_N (chosen to reach figures 8 and 9)",

@@ -17,10 +17,10 @@ from published import Row
 
 TITLE = "Fingertip Tactile Sensor for Detecting Rope Slip (3×3 FSR400, random forest)"
 HEAD = """
-Of this paper the repository has the sensor: nine FSR400, their network, the converter and the centre of
-pressure, in `meissner run fsr_3x3`. It has no rope, no stick-slip, no grips of rubber and no random forest;
-the figures and tables of those have no counterpart, and their rows say so. What can be checked of the printed
-tables without one is their arithmetic.
+This repository models the paper's sensor: nine FSR400, their network, the converter and the centre of
+pressure, in `meissner run fsr_3x3`. It models no rope, stick-slip, rubber grips or random forest; the rows of
+the figures and tables about those state that they have no counterpart. Of such tables only the printed
+arithmetic can be checked.
 """
 STEPS = 150  # between the numbers of figure 6
 NONE = "no counterpart yet"
@@ -52,7 +52,7 @@ def compute():
             "1",
             "sensor",
             "3×3 FSR400 on a sheet of 45 × 53 mm",
-            f"{scene.rows}×{scene.columns} FSR400 as one network; places −1 to 1, no millimetres",
+            f"{scene.rows}×{scene.columns} FSR400 as one network; positions −1 to 1, no millimetres",
             "none",
             "FSR400_OHM_1N, FSR400_POWER read off; FSR400_BREAK_N, FSR400_REST_OHM, FSR400_SPREAD data sheet",
         ),
@@ -88,15 +88,15 @@ def compute():
             "path of the centre of gravity, numbered every 150 steps",
             "two paths of a rope; no numbers but the axes'",
             f"path of a contact of {scene.world['patches'][0]['force_n']:g} N from top to bottom, "
-            f"{len(arrays['x'])} steps: position {100 * position['mean']:.2g} % of the range off in the "
-            f"mean, {100 * position['maximum']:.2g} % at most; load {100 * load['mean']:.2g} % off; y turns "
-            f"back in {int((turns > 0).sum())} steps of {len(turns)}",
+            f"{len(arrays['x'])} steps: position error {100 * position['mean']:.2g} % of the range on "
+            f"average, {100 * position['maximum']:.2g} % at most; load error {100 * load['mean']:.2g} %; y "
+            f"reverses in {int((turns > 0).sum())} steps of {len(turns)}",
             "another movement: no rope",
             "FSR400_BREAK_N data sheet; FSR400_POWER read off; depth of the cover chosen",
         ),
         Row(
             "6",
-            "cells that work, found dead by mistake",
+            "working cells reported as dead",
             "not printed",
             words(summary["dead_falsely"], "cells"),
             "–",
@@ -174,7 +174,7 @@ def draw(folder):
     return [
         (
             name,
-            "Figure 6 as our scene has it: the reported centre, numbers every 150 steps. A contact, no rope. "
-            "At both ends only one row answers: an FSR400 needs 0.2 N.",
+            "Figure 6 with our scene: the reported centre, numbered every 150 steps, of a contact instead of "
+            "a rope. At both ends only one row responds, since an FSR400 needs 0.2 N.",
         )
     ]

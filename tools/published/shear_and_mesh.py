@@ -5,10 +5,10 @@ from importlib.util import find_spec
 
 TITLE = "Sheared rubber, the slip sensor and the mesh: the papers' figures, and ours"
 HEAD = """
-Three papers: how the resistance of pressure-conductive rubber changes with shear (the journal version of
-the study in *Development of High Speed and High Sensitivity Slip Sensor*, "CoP slip"); *A High-Speed Mesh
-of Tactile Sensors Fitting Arbitrary Surfaces*; and *Development of High-Sensitivity Slip Sensor Using
-Special Characteristics of Pressure Conductive Rubber*. Ours is computed from `meissner.physics`.
+Three papers: one on the change of the resistance of pressure-conductive rubber with shear (the journal
+version of the study in *Development of High Speed and High Sensitivity Slip Sensor*, "CoP slip"); *A
+High-Speed Mesh of Tactile Sensors Fitting Arbitrary Surfaces*; and *Development of High-Sensitivity Slip
+Sensor Using Special Characteristics of Pressure Conductive Rubber*. Ours is computed with `meissner.physics`.
 """
 
 
