@@ -198,9 +198,7 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_came(tmp_path, listened, nam
     assert 100 < kept < sent and found["slip_channel"].tolist() == list(range(kept)) and found["partial"]
     data = one.spool.read_bytes()
     assert len(data) <= limit
-    at = (
-        8  # the magic; then records of kind, 64-bit length, content, or of 32-bit length, checksum, content
-    )
+    at = 8  # the magic; then records of kind, 64-bit length, content, or of 32-bit length, checksum, content
     while at < len(data):
         mcap = one.spool.suffix == ".mcap"
         size = int.from_bytes(data[at + 1 : at + 9] if mcap else data[at : at + 4], "little")
