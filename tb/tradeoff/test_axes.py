@@ -187,7 +187,8 @@ def test_areas_are_those_that_are_recorded(monkeypatch):
     assert area.placed("b", "ecp5") == area.placed("c", "ecp5") == {"lut": None, "mhz": None}
     assert area.digest("msn_skid", {"Bits": 3}, "ecp5") != area.digest("msn_skid", {"Bits": 4}, "ecp5")
     assert area.missing([("a", "ecp5"), ("b", "ecp5"), ("c", "ecp5")]) == [
-        "LUT and Fmax not shown, stale: b, absent: c; `make fmax FMAX=\"--record 'b' 'c'\"` measures them"
+        "LUT and Fmax without a current record (stale: b, absent: c); "
+        "`make fmax FMAX=\"--record 'b' 'c'\"` measures them"
     ]
 
 
@@ -195,7 +196,7 @@ def test_areas_are_those_that_are_recorded(monkeypatch):
     ("given", "sentence"),
     [
         (["--axis", "slp"], "there is no axis 'slp'; the axes are: constants, cop4,"),
-        (["--point", "bits=12"], "--point is a point of one axis: name it with --axis"),
+        (["--point", "bits=12"], "--point needs exactly one --axis"),
         (["--axis", "slip", "--point", "bits"], "--point: 'bits' must be NAME=VALUE; the names are: rate_hz"),
         (["--axis", "slip", "--point", "bit=12"], "--point: slip has no 'bit'; the names are: rate_hz, bits"),
         (["--axis", "slip", "--point", "bits=1.5"], "--point: bits = '1.5' must be a whole number"),
