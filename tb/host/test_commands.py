@@ -286,7 +286,7 @@ def test_a_core_that_never_answers_may_be_one_without_registers(meissner):
         pty.pipe.write = lambda data: None
         code, _, err = meissner("regs", pty.url)
         assert code == 2 and "nothing received from" in err and len(err.splitlines()) == 1
-        assert "A build without registers (slip1, and every one for the iCEBreaker) never answers" in err
+        assert "A build without registers (slip1, and every build for the iCEBreaker) never answers" in err
 
 
 @pytest.mark.parametrize(
@@ -327,7 +327,7 @@ def test_the_rate_of_a_line_is_the_configurations(meissner, monkeypatch, port, m
         (("replay", "a.bin", "--out", "o.npz"), "must be a .mcap or a .npz file"),
         (("replay", "empty.mcap", "--out", "o.npz"), "is not a complete MCAP log"),
         (("replay", "empty.mcap", "--engine", "oracle", "--out", "o.npz"), "unknown engine"),
-        (("replay", "flat.npz", "--out", "o.npz"), "no log of a core"),
+        (("replay", "flat.npz", "--out", "o.npz"), "is not a log of a core"),
         (("replay", "good.npz", "--out", "nowhere/o.npz"), "there is no folder nowhere"),
         (("replay", "good.npz", "--min-load", "-1", "--out", "o.npz"), "must not be negative"),
         (("replay", "good.npz", "--out", "o.npz"), "has no image to replay"),

@@ -313,7 +313,7 @@ def test_another_patch_is_taken(monkeypatch):
 def test_what_is_no_core_is_refused(monkeypatch):
     model = simulated()
     monkeypatch.setattr(model.registers, "access", lambda *_, **__: (0xDEADBEEF, False, set()))
-    with pytest.raises(Refused, match="no Meissner core: its ID is 0xdeadbeef"):
+    with pytest.raises(Refused, match="not a Meissner core: its ID is 0xdeadbeef"):
         connected(model)
 
 

@@ -161,7 +161,7 @@ def test_a_kill_leaves_what_came(tmp_path, listened, name, monkeypatch, capsys):
     assert (int(found["clk_khz"]), int(found["start_time"])) == (CLK_KHZ, 0)
     assert np.diff(found["cop_ns"]).tolist() == (COUNT - 1) * [10**6]
     with pytest.raises(
-        ValueError, match=rf"there is no file .*{name}; .* is in .*{part(tmp_path / name).name}"
+        ValueError, match=rf"there is no file .*{name}; .* are in .*{part(tmp_path / name).name}"
     ):
         log.read(tmp_path / name)
     # Another log of that name does not touch it.
