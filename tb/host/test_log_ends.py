@@ -192,8 +192,8 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_came(tmp_path, listened, nam
     kept = len(found["slip_channel"])
     assert one.child.returncode == 2
     assert err == (
-        f"meissner: {name} could not be written, the file may not grow any more: the {kept} packets that "
-        f"came are in {part(tmp_path / name).name}, which `meissner replay` reads\n"
+        f"meissner: {name} could not be written, the file may not grow any more: the {kept} packets "
+        f"received are in {part(tmp_path / name).name}, which `meissner replay` reads\n"
     )
     assert 100 < kept < sent and found["slip_channel"].tolist() == list(range(kept)) and found["partial"]
     data = one.spool.read_bytes()
