@@ -72,7 +72,7 @@ def run(arguments):
         raise ValueError(f"the folder {there} cannot be written to")
     compared = None
     if arguments.full:
-        compared = run.full(scene, arguments.engine, arguments.seed, _progress("everything on"))
+        compared = run.full(scene, arguments.engine, arguments.seed, _progress("measuring everything on"))
     try:
         summary = run.run(
             *(scene, arguments.engine, out, arguments.seed, arguments.waves),

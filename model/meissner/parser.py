@@ -7,7 +7,7 @@ from meissner.names import EVERY, NAMES, PICTURE
 from meissner.plain import plain
 
 PORT = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE (docs/host.md)"
-CONFIG = "what the core was built from, for physical units: a name or a TOML file"
+CONFIG = "the core's configuration, for physical units: a name or a TOML file"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -44,12 +44,14 @@ def _run(commands):
     )
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
     run.add_argument(
-        "--full", action="store_true", help="measure what it saves: everything on beside it (docs/scenes.md)"
+        "--full",
+        action="store_true",
+        help="also measure everything on, and report the time saved (docs/scenes.md)",
     )
     run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
     run.set_defaults(call="meissner.cli:run")
 
-    scene = commands.add_parser("scene", help="check a scene, and say why it needs each part")
+    scene = commands.add_parser("scene", help="check a scene and explain why it needs each part")
     actions = scene.add_subparsers(dest="action", required=True, metavar="ACTION")
     check = actions.add_parser("check", help="report what is wrong with a scene, or why it needs each part")
     check.add_argument("scene", metavar="SCENE", help="a name, or a TOML file")
@@ -65,18 +67,18 @@ def _process(commands):
     slip.add_argument("--rate", type=float, required=True, help="samples per second of each channel")
     slip.add_argument("--threshold", type=int, required=True, help="codes of the unnormalised detail")
     slip.add_argument("--window", type=int, default=64, help="samples, a power of two from 4 (64)")
-    slip.add_argument("--hop", type=int, help="samples, even, 2 to window (the window)")
+    slip.add_argument("--hop", type=int, help="samples, even, 2 to window (default: the window)")
     slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
     slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    slip.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
+    slip.add_argument("--out", required=True, metavar="OUT.npz", help="output file, .npz or .csv")
     slip.set_defaults(call="meissner.process:slip")
 
     cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
     cop.add_argument("input", metavar="IN.npy", help="integers, 0 to 65535; codes with --calibration")
-    cop.add_argument("--min-load", type=int, default=1, help="least sum of forces with a position (1)")
+    cop.add_argument("--min-load", type=int, default=1, help="minimum sum of forces for a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="a file that `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
+    cop.add_argument("--out", required=True, metavar="OUT.npz", help="output file, .npz or .csv")
     cop.set_defaults(call="meissner.process:cop")
 
     cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
@@ -85,7 +87,7 @@ def _process(commands):
         "--config", required=True, metavar="C.toml", help="docs/cop4.md, or a build's (docs/config.md)"
     )
     cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
+    cop4.add_argument("--out", required=True, metavar="OUT.npz", help="output file, .npz or .csv")
     cop4.set_defaults(call="meissner.process:cop4")
 
 
@@ -99,7 +101,7 @@ def _host(commands):
     regs.set_defaults(call="meissner.host.commands:regs")
 
     live = commands.add_parser(
-        "live", help="show a core's packets as they come: slip, centre of pressure, image"
+        "live", help="show a core's packets as they arrive: slip, centre of pressure, image"
     )
     _line_arguments(live)
     live.set_defaults(call="meissner.host.commands:live")
@@ -110,19 +112,26 @@ def _host(commands):
     log.set_defaults(call="meissner.host.commands:log")
 
     replay = commands.add_parser(
-        "replay", help="a log's images through an engine, beside the core's own results"
+        "replay", help="run a log's images through an engine and compare with the core's own results"
     )
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
-    replay.add_argument("--min-load", type=int, help="least sum of forces with a position (the log's, or 1)")
+    replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
-    replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
+    replay.add_argument("--out", required=True, metavar="OUT.npz", help="output file, .npz or .csv")
     replay.set_defaults(call="meissner.host.commands:replay")
 
 
 def _line_arguments(parser):
     parser.add_argument("port", metavar="PORT", help=PORT)
-    parser.add_argument("--seconds", type=float, metavar="S", help="then stop (at Ctrl-C or the file's end)")
-    parser.add_argument("--listen", action="store_true", help="read no registers: for a core without them")
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        metavar="S",
+        help="stop after S seconds (default: at Ctrl-C or the file's end)",
+    )
+    parser.add_argument(
+        "--listen", action="store_true", help="do not read registers (for a core without them)"
+    )
     parser.add_argument("--config", metavar="FILE", help=CONFIG)
     parser.add_argument(
         "--clk-khz", type=int, metavar="KHZ", help="the core's clock, if its registers are not read"
@@ -136,73 +145,113 @@ def _budget(commands):
         "a four-wire sensor",
     )
     parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
-    parser.add_argument("--config", metavar="NAME", help="slip to command word of a build with [grip]")
-    parser.add_argument("--rows", type=int, metavar="M", help="taxels (64; four-wire: 41)")
-    parser.add_argument("--columns", "--cols", type=int, metavar="N", help="taxels (64; four-wire: 41)")
+    parser.add_argument(
+        "--config",
+        metavar="NAME",
+        help="latency of a build's [grip], from slip to command word, and [shear_speed]",
+    )
+    parser.add_argument("--rows", type=int, metavar="M", help="rows (64; --cop4: 41)")
+    parser.add_argument("--columns", "--cols", type=int, metavar="N", help="columns (64; --cop4: 41)")
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead")
     parser.set_defaults(call="meissner.budget:command")
     array = parser.add_argument_group("a scanned array")
-    array.add_argument("--clock", type=float, default=100e6, metavar="HZ", help="of the core (100e6)")
+    array.add_argument("--clock", type=float, default=100e6, metavar="HZ", help="the core's clock (100e6)")
     array.add_argument("--adc", default="ad7606", metavar="PART", help="converter (ad7606)")
-    array.add_argument("--converters", type=int, metavar="N", help="1, 2, 4 or 8 (the fewest for 1 ms)")
-    array.add_argument("--channels", type=int, metavar="N", help="inputs used of each (the fastest)")
     array.add_argument(
-        "--sclk-khz", type=int, metavar="KHZ", help="serial clock, at most (the part's usual one)"
+        "--converters", type=int, metavar="N", help="1, 2, 4 or 8 (default: the fewest that reach 1 ms)"
     )
     array.add_argument(
-        "--settle-us", type=float, default=1.0, metavar="US", help="lines to convert start (1)"
+        "--channels", type=int, metavar="N", help="inputs used per converter (default: the fastest number)"
     )
-    array.add_argument("--demod", action="store_true", help="taxels are amplitudes of a carrier")
-    array.add_argument("--sample-period", type=int, default=500, metavar="CLOCKS", help="with --demod (500)")
-    array.add_argument("--periods", type=int, default=4, metavar="N", help="of 4 samples, with --demod (4)")
+    array.add_argument(
+        "--sclk-khz", type=int, metavar="KHZ", help="maximum serial clock (default: the part's usual one)"
+    )
+    array.add_argument(
+        "--settle-us",
+        type=float,
+        default=1.0,
+        metavar="US",
+        help="settling time from selecting the lines to convert start (1)",
+    )
+    array.add_argument("--demod", action="store_true", help="read taxels as amplitudes of a carrier")
+    array.add_argument(
+        "--sample-period",
+        type=int,
+        default=500,
+        metavar="CLOCKS",
+        help="between two samples, with --demod (500)",
+    )
+    array.add_argument(
+        "--periods", type=int, default=4, metavar="N", help="periods of 4 samples, with --demod (4)"
+    )
     array.add_argument("--skip", type=int, default=4, metavar="N", help="samples to settle, with --demod (4)")
     array.add_argument("--no-health", action="store_true", help="without the mask of faulty taxels")
-    array.add_argument("--no-tare", action="store_true", help="without zeros of the taxels")
+    array.add_argument("--no-tare", action="store_true", help="without subtracting each taxel's zero")
     array.add_argument(
-        "--bits-per-clock", type=int, default=2, metavar="N", help="of the division, 1 or 2 (2)"
+        "--bits-per-clock",
+        type=int,
+        default=2,
+        metavar="N",
+        help="quotient bits per clock in the division, 1 or 2 (2)",
     )
     parser = parser.add_argument_group("a four-wire sensor")
     parser.add_argument("--r", type=float, default=10.0, help="resistor between taxels, ohms (10)")
     parser.add_argument("--R0", type=float, default=10e3, help="resistor to the supply, ohms (10000)")
     parser.add_argument("--V0", type=float, default=15.0, help="supply, plus and minus, volts (15)")
-    parser.add_argument("--k", type=float, default=4320.0, help="taxel: k / force, newton ohms (4320)")
-    parser.add_argument("--adc-bits", type=int, default=16, metavar="B", help="8 to 24 (16)")
-    parser.add_argument("--gain", type=float, default=1.0, help="of the differences, 1: none (1)")
-    parser.add_argument("--load", type=float, default=5.0, metavar="F", help="on one point, newtons (5)")
+    parser.add_argument("--k", type=float, default=4320.0, help="a taxel has k / force, newton ohms (4320)")
+    parser.add_argument(
+        "--adc-bits", type=int, default=16, metavar="B", help="bits of the converter, 8 to 24 (16)"
+    )
+    parser.add_argument(
+        "--gain", type=float, default=1.0, help="gain of the difference amplifiers, 1: none (1)"
+    )
+    parser.add_argument("--load", type=float, default=5.0, metavar="F", help="load on one point, newtons (5)")
     parser.add_argument("--out", metavar="PATH", help=f"a picture: a .png file, or a folder for {PICTURE}")
 
 
 def _tradeoff(commands):
-    parser = commands.add_parser("tradeoff", help="what accuracy costs: sweeps, fronts, a report")
+    parser = commands.add_parser(
+        "tradeoff", help="measure the cost of accuracy: sweeps, Pareto fronts, a report"
+    )
     parser.add_argument("--list", action="store_true", help="the axes, one line each")
-    parser.add_argument("--axis", action="append", metavar="NAME", help="only this one; repeatable (all)")
+    parser.add_argument("--axis", action="append", metavar="NAME", help="only this axis; repeatable (all)")
     parser.add_argument("--quick", action="store_true", help="few points and runs: minutes, not half an hour")
     parser.add_argument("--point", nargs="+", metavar="NAME=VALUE", help="measure and print one point")
     parser.add_argument("--out", metavar="DIR", help="folder for the results (build/tradeoff)")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine (one a core)")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask's, tcp://HOST:8786: its workers instead")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes on this machine (default: one per core)"
+    )
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="use the workers of a Dask scheduler, tcp://HOST:8786"
+    )
     parser.set_defaults(call="meissner.tradeoff.command:tradeoff")
 
 
 def _choose(commands):
-    parser = commands.add_parser("choose", help="the configuration that meets what matters, as TOML")
+    parser = commands.add_parser(
+        "choose", help="choose the cheapest configuration that meets the requirements, as TOML"
+    )
     parser.add_argument("sensor", metavar="SENSOR", help="channels (rubber), electrodes (four wires), array")
     parser.add_argument("--error", type=float, metavar="PCT", help="largest error in %% (docs/tradeoff.md)")
-    parser.add_argument("--latency", type=float, metavar="MS", help="latest decision, milliseconds")
+    parser.add_argument(
+        "--latency", type=float, metavar="MS", help="largest latency in milliseconds (docs/tradeoff.md)"
+    )
     parser.add_argument("--board", metavar="BOARD", help="a board of docs/boards.md: its clock and pins")
     parser.add_argument("--adc", metavar="PART", help="only this converter")
-    parser.add_argument("--channels", type=int, metavar="N", help="of channels (1)")
+    parser.add_argument("--channels", type=int, metavar="N", help="channels: their number (1)")
+    parser.add_argument("--window", type=int, metavar="N", help="channels: only windows of N samples")
+    parser.add_argument("--rows", type=int, metavar="M", help="electrodes, array: rows of taxels (7, 64)")
     parser.add_argument(
-        "--window", type=int, metavar="N", help="of channels: only windows of so many samples"
+        "--columns", "--cols", type=int, metavar="N", help="electrodes, array: columns of taxels (7, 64)"
     )
-    parser.add_argument("--rows", type=int, metavar="M", help="of electrodes (7), of an array (64)")
-    parser.add_argument("--columns", "--cols", type=int, metavar="N", help="likewise")
-    parser.add_argument("--r", type=float, metavar="OHM", help="between taxels, of electrodes (100)")
-    parser.add_argument("--lut", type=int, metavar="N", help="budget of LUTs of the board's chip")
+    parser.add_argument("--r", type=float, metavar="OHM", help="electrodes: resistor between taxels (100)")
+    parser.add_argument("--lut", type=int, metavar="N", help="largest number of LUTs, on the board's chip")
     parser.add_argument(
-        "--sweep", metavar="DIR", help="results of `meissner tradeoff` (those that came along)"
+        "--sweep", metavar="DIR", help="results of `meissner tradeoff` (default: those of the package)"
     )
-    parser.add_argument("--out", metavar="FILE.toml", help="write the configuration there (printed)")
+    parser.add_argument(
+        "--out", metavar="FILE.toml", help="write the configuration to this file (default: print it)"
+    )
     parser.set_defaults(call="meissner.tradeoff.command:choose")
 
 
@@ -210,8 +259,10 @@ def _calibrate(commands):
     parser = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
     parser.add_argument("recording", metavar="RECORDING", help=".npz of codes and force_n; or .npy of codes")
     parser.add_argument("--force", metavar="FORCE.npy", help="newtons [frames] or [frames, rows, columns]")
-    parser.add_argument("--lsb", type=float, metavar="N", help="newtons of one code of force (the finest)")
-    parser.add_argument("--out", required=True, metavar="CAL.npz", help="where offsets and gains go")
+    parser.add_argument(
+        "--lsb", type=float, metavar="N", help="newtons per code of force (default: the finest)"
+    )
+    parser.add_argument("--out", required=True, metavar="CAL.npz", help="output file of offsets and gains")
     parser.set_defaults(call="meissner.calibration:command")
 
 
@@ -225,7 +276,7 @@ def _fit_rubber(commands):
         type=float,
         default=819.2,
         metavar="N",
-        help="of the converter, for registers (819.2)",
+        help="converter codes per volt, for the register values (819.2)",
     )
     parser.set_defaults(call="meissner.fit_rubber:command")
 

@@ -55,7 +55,7 @@ def cop(arguments):
     frames, rows, columns = forces.shape
     print(
         f"{frames} frame{'s' * (frames > 1)} of {rows}×{columns}, {int(result['valid'].sum())} with a load; "
-        f"{'' if lines is None else f'1 of sum is {lines.force_lsb_n:g} N; '}"
+        f"{'' if lines is None else f'sum in units of {lines.force_lsb_n:g} N; '}"
         f"{forces.size / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
     )
 
@@ -80,6 +80,7 @@ def cop4(arguments):
     saturated, imbalance, opened = (int((flag > 0).sum()) for flag in faults(codes, config.registers))
     print(
         f"{len(codes)} sample{'s' * (len(codes) > 1)}, {int(result['valid'].sum())} with a load; faults: "
-        f"{saturated} saturated, {opened} open, {imbalance} out of balance; load in {config.load_lsb_n:g} N; "
+        f"{saturated} saturated, {opened} open, {imbalance} out of balance; "
+        f"load in units of {config.load_lsb_n:g} N; "
         f"{len(codes) / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
     )

@@ -152,7 +152,8 @@ def test_a_seed_that_does_not_end_is_passed_over(placed, tmp_path):
     with pytest.raises(ToolError, match="no end"):
         bitstream.build(board, "slip1", None, "x", (1,), False, 77)
     with pytest.raises(
-        ToolError, match=r"slip1 on the orangecrab does not meet its 48 MHz: 47\.9 MHz at best of 1"
+        ToolError,
+        match=r"slip1 on the orangecrab does not meet its 48 MHz: the best of 1 seed reaches 47\.9 MHz",
     ):
         bitstream.build(board, "slip1", None, "x", (1, 2), False, 77)
 

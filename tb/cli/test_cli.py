@@ -170,7 +170,7 @@ BAD = {
     "config a folder": (("config", "show", "folder"), "'folder' is neither a file nor one of"),
     "replay a pipe": (("replay", "pipe.npz", "--out", "out.npz"), "pipe.npz is a pipe or a device"),
     "replay a folder": (("replay", "folder", "--out", "out.npz"), "folder is a folder; name a file"),
-    "replay out": (("replay", "press.npz", "--out", "out.txt"), "press.npz is no log of a core"),
+    "replay out": (("replay", "press.npz", "--out", "out.txt"), "press.npz is not a log of a core"),
     "log a pipe": (("log", "file:pipe", "--out", "out.npz"), "pipe is a pipe or a device; name a file"),
     "live a folder": (("live", "file:folder"), "folder is a folder; name a file"),
     "run into a pipe": (("run", "acrylic_slip", "--out", "pipe"), "pipe is a file; name a folder"),
@@ -334,7 +334,7 @@ def test_calibrate_and_then_process_cop(tmp_path, engine):
     arguments = cop("in.npy", "--calibration", "cal.npz", "--engine", engine, "--min-load", 10)
     done = meissner(*arguments, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "5 frames of 3×3, 4 with a load; 1 of sum is 0.0005 N; " in done.stdout
+    assert "5 frames of 3×3, 4 with a load; sum in units of 0.0005 N; " in done.stdout
     result = np.load(tmp_path / "out.npz")
     assert result["sum"] * 5e-4 == pytest.approx(9 * np.arange(5.0), abs=0.005)
     assert np.abs(result["x"]).max() < 5 and np.abs(result["y"]).max() < 5

@@ -204,7 +204,7 @@ def test_a_builds_configuration_is_taken_too(tmp_path, codes):
 @pytest.mark.parametrize(
     "name, sentence",
     [
-        ("fingertip", "fingertip: [sensor] has kind = 'array', which must be 'electrodes' here"),
+        ("fingertip", "fingertip: [sensor]: kind = 'array' must be 'electrodes' for `meissner process cop4`"),
         ("nothing", "there is no file nothing"),
         ("half.toml", "half.toml: the key 'sensor' is missing"),
     ],

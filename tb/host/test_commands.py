@@ -126,7 +126,7 @@ def test_regs_in_physical_units(meissner, tmp_path):
         code, _, err = meissner("regs", "--config", "fingertip", pty.url, "core.id")
         assert (
             code == 0
-            and "fingertip is not what the core was built from: clk_khz is 12000 there, not 24000" in err
+            and "fingertip does not match the core: its clk_khz is 24000, the core's is 12000" in err
         )
 
 
@@ -186,7 +186,7 @@ def test_log_and_replay(meissner, port):
         assert int(out.split()[0]) == sum(rows.values()) > 0 and " 0 lost, 0 damaged" in out
         code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz")
         assert (code, err) == (0, "")
-        assert "of 25×5 on engine fixed" in out and ", 0 of them differ; out.npz" in out
+        assert "of 25×5 on engine fixed" in out and ", of which 0 differ; out.npz" in out
         result, found = np.load("out.npz"), log.read(name)
         again = engines.process_cop(found["image"], "fixed", int(found["min_load"]))
         assert all(np.array_equal(result[field], again[field]) for field in again)
@@ -229,7 +229,7 @@ def test_a_core_without_registers_is_listened_to(meissner):
     model.write = lambda data: None
     with Pty(model) as pty:
         code, _, err = meissner("live", pty.url, "--seconds", 0.2)
-        assert code == 2 and "packets come from" in err and "only be listened to" in err
+        assert code == 2 and "sends packets but does not answer" in err and "only be listened to" in err
     model.restart()
     with Pty(model) as pty:
         code, out, _ = meissner("live", pty.url, "--listen", "--seconds", 0.2)
@@ -285,8 +285,8 @@ def test_a_core_that_never_answers_may_be_one_without_registers(meissner):
     with Pty(SimulatedCore()) as pty:
         pty.pipe.write = lambda data: None
         code, _, err = meissner("regs", pty.url)
-        assert code == 2 and "nothing came from" in err and len(err.splitlines()) == 1
-        assert "A build without registers (slip1, and every one for the iCEBreaker) never answers" in err
+        assert code == 2 and "nothing received from" in err and len(err.splitlines()) == 1
+        assert "A build without registers (slip1, and every build for the iCEBreaker) never answers" in err
 
 
 @pytest.mark.parametrize(
@@ -314,7 +314,7 @@ def test_the_rate_of_a_line_is_the_configurations(meissner, monkeypatch, port, m
 @pytest.mark.parametrize(
     "arguments, sentence",
     [
-        (("live", "telepathy"), "names no line"),
+        (("live", "telepathy"), "is not a line"),
         (("live", "sim:", "--seconds", "0"), "seconds = 0 must be a number above 0"),
         (("live", "sim:", "--seconds", "nan"), "must be a number above 0"),
         (("live", "sim:", "--clk-khz", "0"), "clk-khz = 0 must be 1 or more"),
@@ -322,15 +322,15 @@ def test_the_rate_of_a_line_is_the_configurations(meissner, monkeypatch, port, m
         (("live", "sim:", "--config", "none"), "neither a file nor one of the configurations"),
         (("log", "sim:", "--out", "a.txt"), "must be a .mcap or a .npz file"),
         (("log", "sim:", "--out", "nowhere/a.npz"), "there is no folder nowhere"),
-        (("log", "file:a.bin", "--out", "a.npz"), "clock is not known"),
+        (("log", "file:a.bin", "--out", "a.npz"), "clock is unknown"),
         (("replay", "none.mcap", "--out", "o.npz"), "there is no file none.mcap"),
         (("replay", "a.bin", "--out", "o.npz"), "must be a .mcap or a .npz file"),
-        (("replay", "empty.mcap", "--out", "o.npz"), "is not a whole MCAP log"),
+        (("replay", "empty.mcap", "--out", "o.npz"), "is not a complete MCAP log"),
         (("replay", "empty.mcap", "--engine", "oracle", "--out", "o.npz"), "unknown engine"),
-        (("replay", "flat.npz", "--out", "o.npz"), "no log of a core"),
+        (("replay", "flat.npz", "--out", "o.npz"), "is not a log of a core"),
         (("replay", "good.npz", "--out", "nowhere/o.npz"), "there is no folder nowhere"),
         (("replay", "good.npz", "--min-load", "-1", "--out", "o.npz"), "must not be negative"),
-        (("replay", "good.npz", "--out", "o.npz"), "holds no image"),
+        (("replay", "good.npz", "--out", "o.npz"), "has no image to replay"),
     ],
 )
 def test_bad_input(meissner, tmp_path, arguments, sentence):

@@ -199,7 +199,7 @@ def test_a_simulated_core_holds_what_another_host_writes():
 
 def test_bits_that_no_field_has_are_refused():
     core = connected(simulated())
-    with pytest.raises(ValueError, match=r"health\.use = 4 has bits that no field of it has; they are 0x3"):
+    with pytest.raises(ValueError, match=r"health\.use = 4 sets bits outside its fields, whose bits are 0x3"):
         core["health.use"] = 4
 
 
@@ -211,7 +211,7 @@ def test_refuses_what_is_not_there():
         core["adc.enable"] = 1
     assert not any(name.startswith("adc.") for name in core.names())
     core.features.append("adc")  # FEATURES is wrong, so the core itself refuses
-    with pytest.raises(ValueError, match=r"adc.enable could not be written: the core refuses it"):
+    with pytest.raises(ValueError, match=r"adc.enable could not be written: the core refused the access"):
         core["adc.enable"] = 1
 
 
@@ -313,7 +313,7 @@ def test_another_patch_is_taken(monkeypatch):
 def test_what_is_no_core_is_refused(monkeypatch):
     model = simulated()
     monkeypatch.setattr(model.registers, "access", lambda *_, **__: (0xDEADBEEF, False, set()))
-    with pytest.raises(Refused, match="no Meissner core: its ID is 0xdeadbeef"):
+    with pytest.raises(Refused, match="not a Meissner core: its ID is 0xdeadbeef"):
         connected(model)
 
 
@@ -460,15 +460,15 @@ def test_a_file_is_read_to_its_end(tmp_path):
 @pytest.mark.parametrize(
     "url, sentence",
     [
-        ("telepathy", "'telepathy' names no line"),
+        ("telepathy", "'telepathy' is not a line"),
         ("serial:/dev/there_is_none", "cannot be opened"),
         ("serial:/dev/ttyX?baud=fast", "baud = fast"),
-        ("serial:/dev/ttyX?speed=1", "names no line"),
+        ("serial:/dev/ttyX?speed=1", "is not a line"),
         ("pty:/dev/there_is_none", "cannot be opened"),
         ("pty:/dev/null", "cannot be opened"),
         ("file:there_is_none", "cannot be opened"),
         ("sim:no_scene", "unknown scene 'no_scene'"),
-        ("sim:cop_circle", "neither of rubber nor of an array"),
+        ("sim:cop_circle", "neither a rubber sensor nor an array"),
         ("sim:?speed=0", "speed = 0"),
     ],
 )
@@ -552,7 +552,7 @@ def test_a_core_that_was_reset_is_set_up_again(tmp_path):
         list(core.packets(0.05))
         assert pipe.core.registers.access(False, names.place("slip.threshold").address)[0] == 77
         assert acted == [], "a register that acts when it is written was written again"
-        assert core.counts.restarts == 1 and any("started over" in sentence for sentence in said)
+        assert core.counts.restarts == 1 and any("was reset" in sentence for sentence in said)
         until_quiet(core)
         lost = core.counts.lost
         pipe.core.restart()
@@ -627,11 +627,11 @@ def test_an_answer_about_another_register_is_not_taken():
 def test_a_core_that_does_not_answer():
     pipe = Pipe(simulated())
     pipe.to_core = lambda data: b""
-    with pytest.raises(NoAnswer, match="nothing came from the simulated core: is the core powered"):
+    with pytest.raises(NoAnswer, match="nothing received from the simulated core: is the core powered"):
         connected(pipe, **QUICK)
     pipe = Pipe(simulated(*map(event, range(1000))))
     pipe.to_core = lambda data: b""
-    with pytest.raises(NoAnswer, match=r"packets come from .*can only be listened to"):
+    with pytest.raises(NoAnswer, match=r"sends packets but does not answer .*can only be listened to"):
         connected(pipe, **QUICK)
     core = connected(simulated(*map(event, range(1000))), registers=False)
     assert len(list(core.packets(0.2))) == 1000
@@ -646,7 +646,7 @@ def test_another_baud_rate_is_named():
         model = simulated()
         pipe = Pipe(model)
         pipe.to_host = lambda data, heard=heard: heard
-        with pytest.raises(NoAnswer, match=r"no packet understood in [0-9]+ bytes .*is the baud rate right"):
+        with pytest.raises(NoAnswer, match=r"no valid packet in [0-9]+ bytes .*is the baud rate right"):
             connected(pipe, **QUICK)
 
 
@@ -656,7 +656,7 @@ def test_noise_is_reported_once_until_packets_come_again():
     core = connected(pipe, say=said.append)
     pipe.to_host = lambda data: rng.bytes(500)
     list(core.packets(0.1))
-    assert len(said) == 1 and "no packet understood" in said[0]
+    assert len(said) == 1 and "no valid packet" in said[0]
     pipe.to_host = lambda data: data
     pipe.core.say(p.SLIP, 0, event(0)[2])
     until(core, lambda item: True)

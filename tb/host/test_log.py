@@ -198,11 +198,11 @@ def test_refuses_what_cannot_be_logged(tmp_path):
     ):
         pass
     listened = host.Core(line.Pipe(SimulatedCore()), registers=False)
-    with pytest.raises(ValueError, match="clock is not known"), log.recording(tmp_path / "a.npz", listened):
+    with pytest.raises(ValueError, match="clock is unknown"), log.recording(tmp_path / "a.npz", listened):
         pass
     assert list(tmp_path.iterdir()) == []
     with (
-        pytest.raises(ValueError, match=r"of one size; the 1 packets that came are in .*a.npz.part.rows"),
+        pytest.raises(ValueError, match=r"of one size; the 1 packets received are in .*a.npz.part.rows"),
         log.recording(tmp_path / "a.npz", core) as kept,
     ):
         for shape in ((2, 3), (3, 2)):

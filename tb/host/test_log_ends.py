@@ -161,7 +161,7 @@ def test_a_kill_leaves_what_came(tmp_path, listened, name, monkeypatch, capsys):
     assert (int(found["clk_khz"]), int(found["start_time"])) == (CLK_KHZ, 0)
     assert np.diff(found["cop_ns"]).tolist() == (COUNT - 1) * [10**6]
     with pytest.raises(
-        ValueError, match=rf"there is no file .*{name}; .* is in .*{part(tmp_path / name).name}"
+        ValueError, match=rf"there is no file .*{name}; .* are in .*{part(tmp_path / name).name}"
     ):
         log.read(tmp_path / name)
     # Another log of that name does not touch it.
@@ -192,8 +192,8 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_came(tmp_path, listened, nam
     kept = len(found["slip_channel"])
     assert one.child.returncode == 2
     assert err == (
-        f"meissner: {name} could not be written, the file may not grow any more: the {kept} packets that "
-        f"came are in {part(tmp_path / name).name}, which `meissner replay` reads\n"
+        f"meissner: {name} could not be written, the file may not grow any more: the {kept} packets "
+        f"received are in {part(tmp_path / name).name}, which `meissner replay` reads\n"
     )
     assert 100 < kept < sent and found["slip_channel"].tolist() == list(range(kept)) and found["partial"]
     data = one.spool.read_bytes()
@@ -222,7 +222,7 @@ def test_a_disk_that_fills_up_while_the_arrays_are_written(tmp_path, monkeypatch
     monkeypatch.setattr(np, "savez_compressed", full)
     core = host.Core(line.Pipe(SimulatedCore(clk_khz=CLK_KHZ)))
     sentence = (
-        r"a.npz could not be written, the disk is full: the 3 packets that came are in .*a.npz.part.rows, "
+        r"a.npz could not be written, the disk is full: the 3 packets received are in .*a.npz.part.rows, "
     )
     with pytest.raises(OSError, match=sentence), log.recording(tmp_path / "a.npz", core) as recording:
         some(recording)
@@ -238,7 +238,7 @@ def test_an_error_keeps_what_came(tmp_path, name):
         some(recording)
         raise RuntimeError("mine")
     assert log.read(part(tmp_path / name))["statistics_value"].tolist() == [70, 71, 72]
-    assert len(said) == 1 and "was not finished: the 3 packets that came are in" in said[0]
+    assert len(said) == 1 and "was not finished: the 3 packets received are in" in said[0]
 
 
 def test_a_file_cut_anywhere_is_read_up_to_its_last_whole_chunk(tmp_path, monkeypatch):
@@ -270,7 +270,7 @@ def test_replay_reads_a_part(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     cli.main(["replay", "a.mcap.part.mcap", "--out", "out.npz"])
     assert "1 image of 2×3 on engine fixed" in (said := capsys.readouterr().out)
-    assert "the log ends before its end was written; out.npz" in said
+    assert "the log was not finished; out.npz" in said
     assert np.load("out.npz")["sum"].tolist() == [28]
 
 
@@ -291,11 +291,11 @@ def test_a_log_with_the_wrong_configuration_says_what_it_dropped(tmp_path, monke
     capture(tmp_path / "a.bin", [12, 12, 9, 12, 12], unknown)
     cli.main(["log", "file:a.bin", "--config", "fingertip", "--out", "a.npz"])
     out, err = capsys.readouterr()
-    assert "0 lost, 0 damaged, 0 images lost, 4 images dropped that are not of 3×3 taxels, " in out
-    assert ", 1 of types that this host does not know, 0 gaps" in out
+    assert "0 lost, 0 damaged, 0 images lost, 4 images dropped because they do not have 3×3 taxels, " in out
+    assert ", 1 packets of unknown types, 0 gaps" in out
     assert err == (
-        "meissner: images of 12 taxels come from a.bin and 3×3 are expected: they are dropped; is this the "
-        "configuration that the core was built from?\n"
+        "meissner: images of 12 taxels from a.bin are dropped, 3×3 are expected: is this the core's "
+        "configuration?\n"
     )
     found = log.read("a.npz")
     assert found["image_number"].tolist() == [11] and (found["images_unfit"], found["unknown"]) == (4, 1)

@@ -46,7 +46,7 @@ def test_a_window_too_long_for_16_clocks_is_called_so():
     """4096 details: filter 1, level 3, 1 + log4(4096) = 7, slip 2, reflex 4, after another command 1."""
     found = grip.budget(build(level=3, window=32_768, hop=8))
     assert found["total_clocks"] == 18 and not found["within_16"]
-    assert "above 16" in grip.tell(found)[0]
+    assert "above the limit of 16" in grip.tell(found)[0]
 
 
 def test_the_terms_of_a_core_as_it_is_shipped():
@@ -68,9 +68,9 @@ def command(*arguments):
 
 def test_the_command_prints_it():
     told = command("--config", "grip").stdout.splitlines()
-    assert (
-        told[0]
-        == "from the sample that shows slip to the command word at most 11 clocks, within 16: 0.458 us"
+    assert told[0] == (
+        "from the sample that shows slip to the command word: at most 11 clocks (0.458 us), "
+        "within the limit of 16"
     )
     assert any(line.split()[:2] == ["haar", "1"] for line in told)
     found = json.loads(command("--config", "grip", "--json").stdout)

@@ -187,7 +187,8 @@ def test_areas_are_those_that_are_recorded(monkeypatch):
     assert area.placed("b", "ecp5") == area.placed("c", "ecp5") == {"lut": None, "mhz": None}
     assert area.digest("msn_skid", {"Bits": 3}, "ecp5") != area.digest("msn_skid", {"Bits": 4}, "ecp5")
     assert area.missing([("a", "ecp5"), ("b", "ecp5"), ("c", "ecp5")]) == [
-        "LUT and Fmax not shown, stale: b, absent: c; `make fmax FMAX=\"--record 'b' 'c'\"` measures them"
+        "LUT and Fmax without a current record (stale: b, absent: c); "
+        "`make fmax FMAX=\"--record 'b' 'c'\"` measures them"
     ]
 
 
@@ -195,19 +196,19 @@ def test_areas_are_those_that_are_recorded(monkeypatch):
     ("given", "sentence"),
     [
         (["--axis", "slp"], "there is no axis 'slp'; the axes are: constants, cop4,"),
-        (["--point", "bits=12"], "--point is a point of one axis: name it with --axis"),
+        (["--point", "bits=12"], "--point needs exactly one --axis"),
         (["--axis", "slip", "--point", "bits"], "--point: 'bits' must be NAME=VALUE; the names are: rate_hz"),
         (["--axis", "slip", "--point", "bit=12"], "--point: slip has no 'bit'; the names are: rate_hz, bits"),
         (["--axis", "slip", "--point", "bits=1.5"], "--point: bits = '1.5' must be a whole number"),
         (["--axis", "slip", "--point", "bits=-1"], "--point: bits = -1 must lie in 0 .. 1e12"),
         (["--axis", "slip", "--point", "noise_mv=nan"], "--point: noise_mv = nan must lie in 0 .. 1e12"),
-        (["--axis", "slip", "--point", "window=48"], "is no point of slip: a window is a power of two"),
+        (["--axis", "slip", "--point", "window=48"], "is not a point of slip: a window is a power of two"),
         (["--axis", "slip", "--point", "runs=0"], "--point: runs = 0 must lie in 1 .. 100000000"),
         (
             ["--axis", "slip", "--point", "bits=8", "kind=round"],
             "--point: kind = 'round' must be one of: tumbling, half",
         ),
-        (["--axis", "cop4", "--point", "R0_ohm=0"], "is no point of cop4: 8 to 24 bits"),
+        (["--axis", "cop4", "--point", "R0_ohm=0"], "is not a point of cop4: 8 to 24 bits"),
         (["--workers", "0"], "workers = 0 must lie in 1 .. 1024"),
         (["--out", "/dev/null"], "/dev/null is a file; name a folder for the results"),
     ],

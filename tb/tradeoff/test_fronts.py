@@ -71,7 +71,7 @@ def test_the_table_has_the_front_and_what_ships():
     assert table[1]["price (€)"] == "5" and table[1]["wrong (%)"] == "2"
     text = page.verdict(toy.AXES[0], rows)
     assert text == (
-        "4 points, 2 on the front; the shipped one is not: 1 beat it in all that is judged, as "
+        "4 points, 2 on the front; the shipped one is not: 1 point dominates it, for example "
         "meissner tradeoff --axis toy --point number=1"
     )
 

@@ -132,7 +132,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path, how):
     (tmp_path / "hold").unlink()
     assert process.returncode == (-9 if how == signal.SIGKILL else 130), problem
     if how == signal.SIGINT:
-        assert said.endswith(f"what is finished is in {out}, and the same command goes on\n")
+        assert said.endswith(f"finished points are in {out}; the same command continues\n")
     there = len(list(out.glob("points/toy/[!.]*.json")))
     assert there == toy.HOLD
     time.sleep(0.3)  # the workers end with their parent
@@ -163,7 +163,8 @@ def test_points_of_other_sources_are_measured_again(tmp_path, monkeypatch):
     monkeypatch.setattr(store, "revision", lambda module: "01234567")
     swept(tmp_path / "a", say=lines.append)
     assert lines == [
-        f"0 of 24 points are in {tmp_path / 'a'} already; 24 again, as what they rest on has changed"
+        f"0 of 24 points are in {tmp_path / 'a'} already; 24 are measured again, "
+        "because what they rest on has changed"
     ]
     assert len(toy.log()) == 48
 

@@ -5,15 +5,15 @@ from meissner.twins.slip.peak_to_peak import latency
 
 MOST = 16  # clocks that a command word may take
 NAMES = {
-    "frame_filter": "whole frames only",
+    "frame_filter": "pass complete frames only",
     "haar": "detail of the sample's group",
-    "peak_to_peak": "of the window so far",
-    "slip": "compare, step the state",
-    "count": "the window, of its finger",
-    "join": "the fingers; a cycle begins",
-    "goal": "and its limits",
-    "command": "within the rate",
-    "after another": "if the period's end gave a command just before",
+    "peak_to_peak": "peak-to-peak of the window so far",
+    "slip": "compare, update the state",
+    "count": "count the window for its finger",
+    "join": "combine the fingers; a cycle begins",
+    "goal": "the goal within its limits",
+    "command": "limit the change to the rate",
+    "after another": "if the end of a period has just given a command",
 }
 
 
@@ -49,8 +49,8 @@ def tell(found):
     total = found["total_clocks"]
     side = "within" if found["within_16"] else "above"
     lines = [
-        f"from the sample that shows slip to the command word at most {total} clocks, {side} {MOST}: "
-        f"{total * clock_us:.3f} us",
+        f"from the sample that shows slip to the command word: at most {total} clocks "
+        f"({total * clock_us:.3f} us), {side} the limit of {MOST}",
         f"{found['config']}, {found['clock_hz'] / 1e6:g} MHz",
         "",
         *table(found, NAMES),
@@ -61,8 +61,8 @@ def tell(found):
     )
     cycle = found["cycle_clocks"]
     lines.append(
-        f"of the first slip in a period of {cycle} clocks; what comes later waits for the next"
+        f"for the first slip in a period of {cycle} clocks; a later slip waits for the next period"
         if found["immediate"]
-        else f"of slip that comes with a period's end; what comes before waits for it, up to {cycle} clocks"
+        else f"for slip at the end of a period; an earlier slip waits for the end, up to {cycle} clocks"
     )
     return lines

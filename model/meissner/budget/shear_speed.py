@@ -4,11 +4,11 @@ from meissner.budget.terms import table
 from meissner.twins.slip.shear_speeds import SIZE
 
 NAMES = {
-    "frame_filter": "whole frames only",
-    "look": "where the level lies",
-    "k1 Vi": "a bit a clock, and k",
+    "frame_filter": "pass complete frames only",
+    "look": "compare the level with Vi and the reference",
+    "k1 Vi": "multiply, one bit per clock; add k0",
     "log2": "of k and of the rise",
-    "times 1/n": "a bit a clock, rounded",
+    "times 1/n": "multiply, one bit per clock; round",
     "exp2": "the speed",
     "judge": "flags, Vi",
     "report": "registers, reflex",
@@ -49,12 +49,12 @@ def tell(found):
     """The lines to print."""
     fast, slow = found["travel_s"]
     return [
-        f"from a window's last sample to its speed of shear at most {found['total_clocks']} clocks: "
+        f"from a window's last sample to its speed of shear: at most {found['total_clocks']} clocks: "
         f"{found['total_s'] * 1e6:.3f} us",
         f"{found['config']}, {found['clock_hz'] / 1e6:g} MHz",
         "",
         *table(found, NAMES),
         "",
-        f"before it: {1e3 * found['window_s']:.3g} ms of a window; {1e3 * found['settle_s']:.3g} ms at rest;",
+        f"before it: a window of {1e3 * found['window_s']:.3g} ms; {1e3 * found['settle_s']:.3g} ms at rest;",
         f"{found['travel_mm']:.3g} mm of shear, {fast:.3g} s at the limit, {slow:.3g} s at 1/100 of it",
     ]

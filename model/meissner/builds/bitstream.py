@@ -170,7 +170,7 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
     if not packed:
         raise ToolError(
             f"{boards.label(config)} on the {label(board.name, sizes[0])} does not meet its {clk_mhz:g} MHz: "
-            f"{max(mhz)} MHz at best of {len(mhz)} seeds"
+            f"the best of {len(mhz)} seed{'s' * (len(mhz) > 1)} reaches {max(mhz)} MHz"
         )
     return {
         **({"device": sizes[0]} if sizes[0] else {}),

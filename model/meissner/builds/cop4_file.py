@@ -37,5 +37,7 @@ def _of_build(path):
     """``Cop4Config`` of a build's configuration."""
     found = builds.load(path)
     if found.cop4 is None:
-        raise ValueError(f"{path}: [sensor] has kind = '{found.kind}', which must be 'electrodes' here")
+        raise ValueError(
+            f"{path}: [sensor]: kind = '{found.kind}' must be 'electrodes' for `meissner process cop4`"
+        )
     return found.cop4

@@ -46,7 +46,7 @@ def _connect(arguments, registers=None, say=_tell):
     for name in ("clk_khz", "rows", "columns") if arguments.config is not None else ():
         told, own = getattr(known, name), getattr(core.units, name)
         if told != own:
-            say(f"{arguments.config} is not what the core was built from: {name} is {own} there, not {told}")
+            say(f"{arguments.config} does not match the core: its {name} is {told}, the core's is {own}")
     return core
 
 
@@ -210,9 +210,9 @@ def log(arguments):
     counts = core.counts
     expected = f"{core.units.rows or 1}×{core.units.columns}"
     more = [
-        (counts.images_unfit, f"images dropped that are not of {expected} taxels"),
-        (counts.unknown, "of types that this host does not know"),
-        (counts.unread, "dropped because this machine was too slow"),
+        (counts.images_unfit, f"images dropped because they do not have {expected} taxels"),
+        (counts.unknown, "packets of unknown types"),
+        (counts.unread, "packets dropped because this machine was too slow"),
         (counts.restarts, "restarts of the core"),
     ]
     print(
@@ -239,7 +239,7 @@ def replay(arguments):
     apart = ", ".join(f"{name} {value}" for name, value in largest.items())
     print(
         f"{frames} image{'s' * (frames > 1)} of {rows}×{columns} on engine {arguments.engine}; "
-        f"{both} with the core's own centre of pressure, {wrong} of them differ"
+        f"{both} with the core's own centre of pressure, of which {wrong} differ"
         f"{f' (at most: {apart})' if wrong else ''}; "
-        f"{'the log ends before its end was written; ' if 'partial' in found else ''}{plain(arguments.out)}"
+        f"{'the log was not finished; ' if 'partial' in found else ''}{plain(arguments.out)}"
     )

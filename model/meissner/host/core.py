@@ -104,7 +104,7 @@ class Core:
         name = self.line.name
         found = self._ask(bridge.READ, names.place("core.id"))
         if found != names.place("core.id").field.reset:
-            raise Refused(f"what answers on {name} is no Meissner core: its ID is 0x{found:08x}")
+            raise Refused(f"the device on {name} is not a Meissner core: its ID is 0x{found:08x}")
         word = self._ask(bridge.READ, names.place("core.version"))
         major, minor = (names.place(f"core.version.{part}").value(word) for part in ("major", "minor"))
         own = names.VERSION
@@ -131,7 +131,7 @@ class Core:
     def _place(self, name):
         place = names.place(name)
         if not self.registers:
-            raise ValueError(f"{name}: this core is only listened to, its registers are not asked")
+            raise ValueError(f"{name}: the registers of this core are not read, since it is only listened to")
         if not self._has(place.group):
             raise ValueError(f"{name}: this core is built without {place.group.name}")
         return place
@@ -219,7 +219,11 @@ class Core:
         if answer["status"] == bridge.DONE:
             return answer["data"]
         what = "write" if operation == bridge.WRITE else "read"
-        why = "the core refuses it" if answer["status"] == bridge.BUS_ERROR else "its bus did not answer"
+        why = (
+            "the core refused the access"
+            if answer["status"] == bridge.BUS_ERROR
+            else "its bus did not answer"
+        )
         raise ValueError(f"{place.name} could not be {what}: {why}".replace("be write", "be written"))
 
     def _silence(self, heard, packets):
@@ -227,14 +231,14 @@ class Core:
         name = self.line.name
         if packets:
             return (
-                f"packets come from {name}, but no answer to a register: a core that was built without "
-                "registers can only be listened to"
+                f"{name} sends packets but does not answer a register access: a core that was built "
+                "without registers can only be listened to (--listen)"
             )
         if heard:
-            return f"no packet understood in {heard} bytes from {name}: {self._baud_question()}"
+            return f"no valid packet in {heard} bytes from {name}: {self._baud_question()}"
         return (
-            f"nothing came from {name}: is the core powered, its line connected and loaded with a bitstream? "
-            "A build without registers (slip1, and every one for the iCEBreaker) never answers: "
+            f"nothing received from {name}: is the core powered, its line connected, its bitstream loaded? "
+            "A build without registers (slip1, and every build for the iCEBreaker) never answers: "
             "it can only be listened to (--listen)"
         )
 
@@ -284,9 +288,7 @@ class Core:
         if self._since_packet >= NOISE and not self._told_noise and not greeting:
             self._told_noise = True
             name = self.line.name
-            self.say(
-                f"no packet understood in {self._since_packet} bytes from {name}: {self._baud_question()}"
-            )
+            self.say(f"no valid packet in {self._since_packet} bytes from {name}: {self._baud_question()}")
 
     def _take(self, packet):
         counts = self.counts
@@ -320,8 +322,8 @@ class Core:
             self._told_unfit.add(taxels)
             rows, columns = self.units.rows or 1, self.units.columns
             self.say(
-                f"images of {taxels} taxels come from {self.line.name} and {rows}×{columns} are expected: "
-                "they are dropped; is this the configuration that the core was built from?"
+                f"images of {taxels} taxels from {self.line.name} are dropped, {rows}×{columns} are "
+                "expected: is this the core's configuration?"
             )
 
     def _put(self, item):
@@ -347,7 +349,7 @@ class Core:
         except (NoAnswer, ValueError):
             return False
         self._restarted = False
-        self.say(f"the core on {self.line.name} started over: {len(known)} settings were written again")
+        self.say(f"the core on {self.line.name} was reset: {len(known)} settings were written again")
         return True
 
     def _has(self, group):

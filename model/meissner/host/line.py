@@ -70,7 +70,7 @@ class Device:
         try:
             while data:
                 if not select.select([], [self._fd], [], 1.0)[1]:
-                    raise Gone(f"{self.name} is stuck: it takes no bytes")
+                    raise Gone(f"{self.name} is stuck: it accepts no bytes")
                 data = data[os.write(self._fd, data) :]
         except Gone:
             raise
@@ -168,6 +168,6 @@ def open_line(url, baud=None):
     except OSError as problem:
         raise ValueError(f"{path} cannot be opened: {problem.strerror or problem}") from None
     raise ValueError(
-        f"{url!r} names no line; there are serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, "
+        f"{url!r} is not a line; the lines are serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, "
         "file:capture.bin, sim:SCENE and core:CONFIG"
     )

@@ -63,7 +63,7 @@ class Log:
     def __init__(self, writer, core):
         if not core.units.clk_khz:
             raise ValueError(
-                "the core's clock is not known, so its clocks cannot become time: name it in kHz"
+                "the core's clock is unknown, so its times cannot become UTC: give it in kHz (--clk-khz)"
             )
         self._writer, self._core, self._anchor, self._restarts = writer, core, None, 0
         self.packets, self.kept, self._flushed_at, self._facts = 0, 0, time.monotonic(), {}
@@ -150,7 +150,7 @@ def _kept(problem, path, spool, log, say):
             log.flush()
     with suppress(OSError):
         spool.give_up()
-    kept = f"{log.kept} packets that came are in {spool.path}, which `meissner replay` reads"
+    kept = f"{log.kept} packets received are in {spool.path}, which `meissner replay` reads"
     if isinstance(problem, OSError):
         why = FULL.get(problem.errno, problem.strerror or problem)
         return OSError(f"{path} could not be written, {why}: the {kept}")
@@ -165,7 +165,7 @@ def read(path):
     path = Path(path)
     if not path.exists():
         parts = [part_of(path, writer.KIND) for writer in KINDS.values()]
-        left = [f"; what a log received before it was ended is in {part}" for part in parts if part.is_file()]
+        left = [f"; the packets of an unfinished log are in {part}" for part in parts if part.is_file()]
         raise ValueError(f"there is no file {path}{''.join(left)}")
     check_in(path)
     if path.suffix.lower() == ".mcap":
@@ -175,9 +175,9 @@ def read(path):
     elif path.suffix.lower() == ".npz":
         arrays = read_arrays(path)
         if arrays is None:
-            raise ValueError(f"{path} is cut off or damaged: it is not a whole .npz file of arrays")
+            raise ValueError(f"{path} is cut off or damaged: it is not a complete .npz file of arrays")
     else:
-        raise ValueError(f"{path} must be a .mcap or a .npz file, or what a log that was ended left")
+        raise ValueError(f"{path} must be a .mcap or a .npz file, or the spool of an unfinished log")
     _check(path, arrays)
     return arrays
 
@@ -194,7 +194,7 @@ def _read_mcap(path):
         raise
     except Exception as problem:  # of any kind: a damaged file breaks its reader or decompressor
         what = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
-        raise ValueError(f"{path} is not a whole MCAP log of a core: {what}") from None
+        raise ValueError(f"{path} is not a complete MCAP log of a core: {what}") from None
     return table.arrays() | found | ({} if whole else {"partial": np.True_})
 
 
@@ -204,12 +204,12 @@ def _check(path, arrays):
         columns = [f"{kind}_{name}" for name in names] + (["image"] if kind == "image" else [])
         missing = [name for name in columns if name not in arrays]
         if missing:
-            raise ValueError(f"{path} is no log of a core: it has no array {missing[0]!r}")
+            raise ValueError(f"{path} is not a log of a core: the array {missing[0]!r} is missing")
         for name, dtype in names.items():
             array = arrays[f"{kind}_{name}"]
             if array.ndim != 1 or array.dtype.kind != np.dtype(dtype).kind:
                 raise ValueError(
-                    f"{path} is no log of a core: {kind}_{name} must be a column of {np.dtype(dtype)}"
+                    f"{path} is not a log of a core: {kind}_{name} must be a column of {np.dtype(dtype)}"
                 )
         if len({arrays[name].shape[:1] for name in columns}) > 1:
             raise ValueError(f"{path}: the arrays of {kind} have different lengths")

@@ -67,7 +67,7 @@ class Place:
             known = sum(field.most << field.low for field in self.register.fields)
             if value & ~known:
                 raise ValueError(
-                    f"{self.name} = {value} has bits that no field of it has; they are 0x{known:x}"
+                    f"{self.name} = {value} sets bits outside its fields, whose bits are 0x{known:x}"
                 )
             return value
         most, low = self.field.most, self.field.low

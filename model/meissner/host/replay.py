@@ -13,7 +13,7 @@ def replay(log, engine, min_load=1):
     """
     images = log["image"]
     if not images.size:
-        raise ValueError("the log holds no image: there is nothing to replay")
+        raise ValueError("the log has no image to replay")
     found = engines.process_cop(images, engine, min_load)
     row_of = {int(at): row for row, at in enumerate(log["cop_time"])}
     rows = np.array([row_of.get(int(at), -1) for at in log["image_time"]])

@@ -143,7 +143,7 @@ def read(path):
                 topic, stamp, message = found
                 items += [(stamp, item) for item in _items(topic, message)]
     if not facts:
-        raise ValueError("it does not say that a core's log is in it")
+        raise ValueError("it has no facts about a core's log")
     return facts, items, whole
 
 

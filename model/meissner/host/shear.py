@@ -69,4 +69,4 @@ def levels(core, channel, codes_per_v, tries=8):
         if core["shear_speed.windows"] == before:
             per_v = codes_per_v * SIZE.unit
             return Levels(vi / per_v, rise / per_v, before)
-    raise OSError("a window ended in each try: the line is too slow for its levels")
+    raise OSError("a window ended during each attempt: the line is too slow to read its levels")

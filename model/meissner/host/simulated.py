@@ -235,7 +235,7 @@ def of_scenes(which=SHOWN, speed="1"):
             settings["cop.min_load"] = scene.min_load
             known = replace(known, newtons_per_code=scene.load_lsb)
         else:
-            raise ValueError(f"scene {name} is neither of rubber nor of an array: it gives no packets here")
+            raise ValueError(f"scene {name} has neither a rubber sensor nor an array, so it gives no packets")
     core = SimulatedCore(together(*sources), settings=settings, size=size, speed=speed, level=level)
     core.units = known
     return core

@@ -119,7 +119,7 @@ def read_rows(path):
     """Arrays and facts of an NpzLog's spool up to its last complete block; ValueError if it is not one."""
     data = Path(path).read_bytes()
     if not data.startswith(MAGIC):
-        raise ValueError(f"{path} does not hold the rows of a log")
+        raise ValueError(f"{path} does not contain the rows of a log")
     at, blocks, facts = len(MAGIC), [], {}
     empty = Table().arrays()
     while at + 8 <= len(data):

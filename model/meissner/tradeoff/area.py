@@ -78,4 +78,6 @@ def missing(entries):
         return []
     words = ", ".join(f"{kind}: {', '.join(sorted(set(found[kind])))}" for kind in found if found[kind])
     again = " ".join(f"'{name}'" for name in names)
-    return [f'LUT and Fmax not shown, {words}; `make fmax FMAX="--record {again}"` measures them']
+    return [
+        f'LUT and Fmax without a current record ({words}); `make fmax FMAX="--record {again}"` measures them'
+    ]

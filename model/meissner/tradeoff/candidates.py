@@ -69,7 +69,7 @@ def _electrodes(needs, _):
     """Four wires: their converter is symmetric about 0 V; the core takes no amplified differences."""
     axis, rows = named("cop4"), needs.rows or 7
     if rows != (needs.columns or 7):
-        raise ValueError("the axis cop4 is of square meshes: rows and columns must be equal")
+        raise ValueError("the axis cop4 has only square meshes: rows and columns must be equal")
     if needs.adc not in (None, "AD7606"):
         raise ValueError(
             f"adc = '{needs.adc}' must be AD7606: four wires need a converter symmetric about 0 V"
@@ -78,7 +78,7 @@ def _electrodes(needs, _):
     for R0_ohm in axis.values["R0_ohm"]:
         point = {"side": rows, "r_ohm": needs.r_ohm or 100.0, "R0_ohm": R0_ohm, "bits": bits, "gain": 1}
         if not cop4.legal(point):
-            raise ValueError(f"{rows}×{rows} with r = {point['r_ohm']:g} ohms is no mesh that can be solved")
+            raise ValueError(f"a mesh of {rows}×{rows} with r = {point['r_ohm']:g} ohms cannot be solved")
         yield {"point": point, **worker.measured(axis, point), "part": "AD7606"}
 
 
@@ -111,7 +111,7 @@ def candidates(needs, results):
     if not found:
         with_adc = f" with adc = {needs.adc}" if needs.adc else ""
         raise ValueError(
-            f"no measured point is of {needs.sensor}{with_adc}; `meissner tradeoff` measures them"
+            f"there is no measured point for {needs.sensor}{with_adc}; `meissner tradeoff` measures points"
         )
     keys = PRICE[needs.sensor]
     order = lambda row: [float("inf") if (value := figure_of(row, key)) is None else value for key in keys]

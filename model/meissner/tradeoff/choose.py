@@ -90,7 +90,7 @@ def chosen(needs, results):
     if not fits:
         nearest = min(rows, key=lambda row: len(broken(needs, row)))
         why = "; ".join(broken(needs, nearest))
-        raise ValueError(f"no measured point meets the needs; of the cheapest that comes near, {why}")
+        raise ValueError(f"no measured point meets the requirements; for the nearest one, {why}")
     refused = []
     for row in fits:
         try:
@@ -102,7 +102,9 @@ def chosen(needs, results):
                 break
             continue
         return row, made, _why(needs, rows, row)
-    raise ValueError(f"{len(fits)} measured points meet the needs, and none can be built: {refused[0]}")
+    raise ValueError(
+        f"{len(fits)} measured points meet the requirements, but none can be built: {refused[0]}"
+    )
 
 
 def _why(needs, rows, row):
@@ -146,17 +148,23 @@ def _next(needs, axis, rows, row, figure):
     text += f" with {_words(other['point'], row['point'])}{part}"
     if reasons:
         return f"{text}, but {'; '.join(reasons)}"
-    return f"{text}, for {'; '.join(worse)}" if worse else f"{text}: it costs more of what is not judged here"
+    return (
+        f"{text}, for {'; '.join(worse)}"
+        if worse
+        else f"{text}: its cost is in figures that are not judged here"
+    )
 
 
 def _area(needs):
     """A line about the LUTs as far as known; ValueError if they are known to be too many."""
     if needs.board is None:
-        raise ValueError("--lut is of a board's chip: name it with --board")
+        raise ValueError("--lut applies to a board's chip: name the board with --board")
     found = lut_of(needs)
     if found is None:
-        return [f"LUTs: nothing like it was placed on {needs.board} (docs/boards.md)"]
+        return [f"LUTs: no similar configuration was placed on {needs.board} (docs/boards.md)"]
     lut, name = found
     if needs.lut is not None and lut > needs.lut:
-        raise ValueError(f"lut = {needs.lut} is too few: {name}, the nearest that was placed, has {lut}")
-    return [f"LUTs: {lut} of {name}, the nearest that was placed; `make synth` says those of this one"]
+        raise ValueError(f"lut = {needs.lut} is too few: {name}, the nearest configuration placed, has {lut}")
+    return [
+        f"LUTs: {lut} of {name}, the nearest configuration placed; `make synth` reports those of this one"
+    ]

@@ -55,7 +55,7 @@ def _point(arguments):
     from meissner.tradeoff import worker
 
     if not arguments.axis or len(arguments.axis) != 1:
-        raise ValueError("--point is a point of one axis: name it with --axis")
+        raise ValueError("--point needs exactly one --axis")
     axis = table.named(arguments.axis[0])
     point = point_of(axis, arguments.point)
     found = worker.measured(axis, point)
@@ -83,7 +83,7 @@ def tradeoff(arguments):
     try:
         rows = sweep.run(axes, out, arguments.quick, runner, workers, _bar)
     except KeyboardInterrupt:
-        print(f"meissner: interrupted; what is finished is in {plain(out)}, and the same command goes on")
+        print(f"meissner: interrupted; finished points are in {plain(out)}; the same command continues")
         raise
     _tell(axes, rows, out, arguments.quick)
 
@@ -97,7 +97,7 @@ def _tell(axes, rows, out, quick):
         print(f"{axis.name}: {page.verdict(axis, rows[axis.name])}")
     for line in page.not_placed(axes, rows):
         print(line)
-    files = f"report.html, {sweep.RESULTS}, {sweep.TIMES} (what a clock decides) and pictures"
+    files = f"report.html, {sweep.RESULTS}, {sweep.TIMES} (measured times) and pictures"
     print(f"\nresults: {plain(out)}/{files}")
 
 

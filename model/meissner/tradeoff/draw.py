@@ -41,10 +41,10 @@ def _panel(axes, axis, rows, across, up):
         what = _named(axis, kind)
         for on, colour, size, order in ((False, GREY, 14, 1), (True, BLUE, 24, 3)):
             chosen = [at[id(row)] for row in same if row["front"] == on]
-            name = f"{what}: on the front" if what else "on the front of all that is judged"
+            name = f"{what}: on the front" if what else "on the front of all judged figures"
             given = {"s": size, "color": colour, "marker": marker, "zorder": order}
             if chosen:
-                axes.scatter(*zip(*chosen), **given, label=name if on else "beaten by another")
+                axes.scatter(*zip(*chosen), **given, label=name if on else "dominated by another")
         corners = pareto.stairs([at[id(row)] for row in same])
         if len(corners) > 1:
             line = {"where": "post", "color": BLUE, "lw": 1, "ls": dashes, "zorder": 2}

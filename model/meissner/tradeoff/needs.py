@@ -46,7 +46,7 @@ class Needs:
         }
         for key in ("channels", "window", "rows", "columns", "r_ohm"):
             if getattr(self, key) is not None and key not in own[self.sensor]:
-                raise ValueError(f"{key} must not be there with the sensor {self.sensor}")
+                raise ValueError(f"{key} must not be given with the sensor {self.sensor}")
 
     def said(self):
         """{name: value} of the given needs."""

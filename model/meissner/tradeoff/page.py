@@ -86,9 +86,8 @@ def verdict(axis, rows):
         text += "; the shipped one is on it" if shipped[0]["front"] else "; the shipped one is not"
         better = beaten_by(axis, rows, shipped[0])
         if better:
-            text += (
-                f": {len(better)} beat it in all that is judged, as {command_of(axis, better[0]['point'])}"
-            )
+            some = "1 point dominates it" if len(better) == 1 else f"{len(better)} points dominate it"
+            text += f": {some}, for example {command_of(axis, better[0]['point'])}"
     return text
 
 
@@ -131,12 +130,12 @@ def write(out, axes, rows, facts):
         pictures.append((path, axis.title, verdict(axis, rows[axis.name])))
         found, count = listed(axis, rows[axis.name])
         more = f", {len(found)} of {count} rows" if len(found) < count else ""
-        kind = "the front and what ships" if axis.judged else "every point"
+        kind = "the front and the shipped point" if axis.judged else "every point"
         tables[f"{axis.title} ({kind}{more})"] = table(axis, rows[axis.name])
     count = sum(map(len, rows.values()))
     kinds = f"{len(rows)} ax{'es' if len(rows) > 1 else 'is'}"
-    text = f"{count} points on {kinds}, measured; grey: beaten in all that is judged."
-    text += " What all rows of a table have alike is left out of it."
+    text = f"{count} points on {kinds}, measured; grey: dominated in all judged figures."
+    text += " Columns with one value in all rows are left out."
     if lines := not_placed(axes, rows):
         facts = facts | {"not shown": " ".join(lines)}
     write_html(out / "report.html", facts, pictures, tables, "What accuracy costs", text)

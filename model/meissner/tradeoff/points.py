@@ -29,7 +29,7 @@ def point_of(axis, parts):
         if not 1 <= point[key] <= 10**8:
             raise ValueError(f"--point: {key} = {point[key]} must lie in 1 .. 100000000")
     if not axis.legal(point):
-        raise ValueError(f"--point: {text_of(point)} is no point of {axis.name}: {axis.about}")
+        raise ValueError(f"--point: {text_of(point)} is not a point of {axis.name}: {axis.about}")
     return point
 
 

@@ -42,7 +42,7 @@ def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print
                 stale += kept is not None
     count = sum(map(len, wanted.values()))
     if found or stale:
-        again = f"; {stale} again, as what they rest on has changed" if stale else ""
+        again = f"; {stale} are measured again, because what they rest on has changed" if stale else ""
         say(f"{len(found)} of {count} points are in {out} already{again}")
     problems = []
     with progress(sum(map(len, todo.values()))) if progress else nullcontext(lambda: None) as report:
