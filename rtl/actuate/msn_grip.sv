@@ -215,7 +215,7 @@ module msn_grip #(
   logic                   armed, armed_mode, live, gives, live_3, gives_3, mode_3;
   logic [CommandBits:0]   raised, lowered;
   logic [CommandBits-1:0] goal, ceiling, floor, low, high, at_least, next;
-  logic                   reaches, below;  // `rate` allows the maximum; the command stays below its upper limit
+  logic                   reaches, below;  // `rate` allows the maximum; the command is below its limit
   assign live    = armed && armed_mode == cfg_mode_i;
   assign gives   = live || !cfg_mode_i || cfg_override_i;
   assign raised  = (CommandBits + 1)'(out_command_o) + (CommandBits + 1)'(joined);

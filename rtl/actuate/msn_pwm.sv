@@ -33,7 +33,7 @@ module msn_pwm #(
     $fatal(1, "msn_pwm: DivideBits = %0d must lie in 1 .. 16", DivideBits);
   end
 
-  localparam logic [Bits-1:0] LastStep = {{(Bits - 1){1'b1}}, 1'b0};  // not ~Bits'(1): Yosys turns that into 1
+  localparam logic [Bits-1:0] LastStep = {{(Bits - 1){1'b1}}, 1'b0};  // not ~Bits'(1): Yosys makes that 1
 
   logic                  known, runs;        // a word has arrived; a period is under way
   logic [Bits-1:0]       word, width, step;

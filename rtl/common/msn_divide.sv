@@ -49,7 +49,7 @@ module msn_divide #(
   end
 
   localparam int unsigned Steps = (BitsPerClock == 1) ? FractionBits + 1 : (FractionBits + 3) / 2;
-  localparam int unsigned Ranks = Pipelined ? Steps + 1 : 1;  // of registers: a pipeline, or one rank for all steps
+  localparam int unsigned Ranks = Pipelined ? Steps + 1 : 1;  // of registers: one a step, or one for all
   localparam int unsigned Units = Pipelined ? Steps : 1;      // each computes one digit
   localparam int unsigned RestBits = DenBits + BitsPerClock;
 

@@ -32,11 +32,12 @@ module msn_fifo #(
   logic [Width-1:0]   fetched;
   logic [PlaceBits:0] written, read;  // one bit wider than an address, to distinguish full from empty
   logic               put, get, fetched_valid, free;
-  logic               full, full_next;  // derived from both pointers in each clock, so that no upset persists
+  logic               full;          // derived from both pointers in each clock, so that no upset persists
+  (* keep *) logic    stays, fills;  // nets of their own: in_valid_i, which comes late, then passes one LUT
   logic [PlaceBits:0] stored;           // more than Depth after an upset
   assign stored     = written - read;
-  assign full_next  = stored[PlaceBits] ? !get || stored[PlaceBits-1:0] != '0
-                      : put && !get && stored[PlaceBits-1:0] == '1;
+  assign stays      = stored[PlaceBits] && (!get || stored[PlaceBits-1:0] != '0);
+  assign fills      = !stored[PlaceBits] && stored[PlaceBits-1:0] == '1 && !get;  // with a put
   assign in_ready_o = !full;
   assign put        = in_valid_i && in_ready_o;
   assign free       = out_ready_i || !out_valid_o;
@@ -51,7 +52,7 @@ module msn_fifo #(
       fetched <= memory[read[PlaceBits-1:0]];
       read    <= read + 1'b1;
     end
-    full          <= full_next;
+    full          <= stays || (fills && in_valid_i && !full);
     fetched_valid <= get || (fetched_valid && !free);
     if (free) begin
       out_data_o  <= fetched;

@@ -12,7 +12,7 @@
 
 module msn_frame_owed #(
   parameter int unsigned Results   = 1,
-  parameter int unsigned QuietBits = 9   // 2^QuietBits - 1: longer than any stage works without offering a beat
+  parameter int unsigned QuietBits = 9   // 2^QuietBits - 1 clocks: no stage works longer without a beat
 ) (
   input  logic               clk_i,
   input  logic               rst_i,

@@ -97,7 +97,7 @@ module msn_cop_accumulate #(
     assign inner[Lanes+k] = '0;
   end
   for (genvar i = 1; i < Lanes; i++) begin : gen_node
-    localparam int unsigned Half = Levels - $clog2(i + 1);  // log2 of the lanes of node 2i+1, right of node 2i's
+    localparam int unsigned Half = Levels - $clog2(i + 1);  // log2 of node 2i+1's lanes, right of 2i's
     always_ff @(posedge clk_i) begin
       if (step) begin
         total[i] <= total[2*i] + total[2*i+1];

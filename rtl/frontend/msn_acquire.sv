@@ -91,7 +91,7 @@ module msn_acquire #(
     assign unused_inputs = ^{cfg_period_i, adc_busy_i, in_valid_i, in_data_i, in_id_i, in_last_i};
 
   end else begin : gen_adc
-    logic unused_lost, unused_ready;  // lost frames are counted; the converter's timer itself waits until it is ready
+    logic unused_lost, unused_ready;  // lost frames are counted; the converter waits for its own ready
     logic unused_user;  // over-range samples are only counted here
     msn_adc_spi #(
       .Part(Adc), .Channels(Channels), .Lanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz),

@@ -39,7 +39,7 @@ module msn_am_demod #(
   output logic                         in_ready_o,
   input  logic [Lanes*SampleBits-1:0]  in_data_i,      // signed, lane 0 lowest
   input  logic [Lanes-1:0]             in_user_i,      // over-range
-  input  logic                         in_start_i,     // first sample after a switch; id and last are read with it
+  input  logic                         in_start_i,     // first sample after a switch; id, last read with it
   input  logic [IdBits-1:0]            in_id_i,        // of lane 0
   input  logic                         in_last_i,      // the last lane ends the frame
 

@@ -106,7 +106,7 @@ module msn_health #(
   logic [3:0] tick;
   assign bank_next   = bank ^ (done && was_whole);
   assign due         = !midway && (clear_asked || report_asked);
-  assign clear_next  = (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it does not block frames
+  assign clear_next  = (cfg_clear_i || clear_asked) && !(due && clear_asked);  // high for long: frames go on
   assign report_next = (cfg_report_i || report_asked) && !(due && report_asked);
   assign midway_next = accept || (midway && !done);
   assign drain_next  = (accept && in_last_i) ? 3'(Drain) : (drain != '0) ? drain - 1'b1 : '0;

@@ -30,7 +30,7 @@ module msn_health_taxel #(
 
   input  logic                         take_i,
   input  logic [StateBits-1:0]         state_i,
-  input  logic                         pair_i,     // both neighbours in a row or column are recent the same way
+  input  logic                         pair_i,     // both neighbours in a row or column moved the same way
   input  logic                         border_i,   // at a border: the one neighbour is recent
   input  logic                         alone_i,    // no neighbour is recent
   input  logic                         user_i,     // over-range

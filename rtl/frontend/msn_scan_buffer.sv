@@ -55,7 +55,7 @@ module msn_scan_buffer #(
   end
 
   // The writer: beats stored of the present row, and rows stored.
-  logic                   busy;  // the frame has come, and a clock ago a beat had not left; registered for timing
+  logic                   busy;  // a clock ago the frame was here and a beat had not left; for timing
   logic                   whole, whole_q;  // the complete frame has come
   logic                   store, row_full, interleave, interleave_q, drop_q, turned_away;
   logic [BeatBits-1:0]    in_beat_q, in_beat;

@@ -71,7 +71,7 @@ module msn_scan_demod #(
   // An upper bound: the references add at most five bits, the root takes three clocks a bit.
   localparam int unsigned DemodLane  = 3 * (SampleBits + 5 + Measured + 1) + Shift + 2;
   localparam int unsigned DemodTime  = 5 + Converters * DemodLane;
-  localparam int unsigned Span       = 2 + (Count - 1) * SamplePeriod;  // from trigger to the last convert start
+  localparam int unsigned Span       = 2 + (Count - 1) * SamplePeriod;  // trigger to the last convert start
   localparam int unsigned Hold       = Span + msn_adc_pkg::hold_clocks(Part, 1, ClkKhz, Half);
   localparam int unsigned Cycle      = Span + AdcCycle + DemodTime;
 
@@ -95,7 +95,7 @@ module msn_scan_demod #(
   logic                             together, demod_ready, enable_q;
   // The remaining samples of a spoiled burst are discarded, so that the parts are in step again at the next burst.
   assign together  = &sample_valid;
-  assign taken     = together && demod_ready;  // in a spoiled burst too, so that each burst has a first sample
+  assign taken     = together && demod_ready;  // in a spoiled burst too: each burst has a first sample
   assign convert_o = |convert;
 
   msn_burst #(.CountBits(BurstBits), .PeriodBits(SampleTime)) u_burst (

@@ -58,7 +58,7 @@ module msn_uart_rx #(
     case (state)
       Rest: if (!rx) begin
         state  <= Start;
-        left   <= CountBits'((Clocks - 2) / 2);  // the line is seen low half a clock after it falls, on average
+        left   <= CountBits'((Clocks - 2) / 2);  // the line is seen low half a clock late on average
         part_q <= 4'd8;
       end
       Start: if (tick) begin

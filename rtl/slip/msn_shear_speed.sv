@@ -37,7 +37,7 @@ module msn_shear_speed #(
   input  logic        [LevelBits-1:0]  cfg_still_i,     // a level that moves by more is not at rest
   input  logic signed [SampleBits-1:0] cfg_full_i,      // a code at or above this: Clipped
   input  logic        [SpeedBits-1:0]  cfg_limit_i,     // a speed above this: Fast
-  input  logic        [31:0]           cfg_travel_i,    // a level is Rising until the sum of speeds reaches this
+  input  logic        [31:0]           cfg_travel_i,    // Rising until the sum of speeds reaches this
 
   input  logic                         in_valid_i,
   output logic                         in_ready_o,

@@ -45,7 +45,7 @@ module msn_slip_path #(
   output logic                         out_last_o,
   output logic                         out_end_o,
 
-  output logic                         busy_o,        // a sample or detail is under way, or a decision offered
+  output logic                         busy_o,        // a sample, detail or decision is inside
   output logic        [31:0]           damaged_o,     // frames: channels out of order
   output logic        [31:0]           blanked_o      // details: over, but blanked or moving
 );
