@@ -3,6 +3,7 @@ counts these builds too. Long tests of the tools that make evidence are listed w
 
 import inspect
 import os
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.tool
 # Each worker is a process: extra BLAS threads for small matrices wait for each other and double the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
+import ahead
 import bodies
 import units
 from meissner.engines import verilated
@@ -118,14 +120,16 @@ BIG = [
 def left_alone(items):
     """Files of ``items`` none of whose builds `make test` runs."""
     builds = {}
+    calls = cache(lambda function: "bench.run(" in inspect.getsource(function))  # once for all parameter sets
     for item in items:
-        if "bench.run(" in inspect.getsource(item.function):
+        if calls(item.function):
             left = item.get_closest_marker("long") or item.get_closest_marker("big")
             builds.setdefault(item.nodeid.split("::")[0], []).append(not left)
     return sorted(name for name, runs in builds.items() if not any(runs))
 
 
 def pytest_configure(config):
+    ahead.of_session(config)
     # Icarus cannot run every build; powerup.py and benches.py do not run every test.
     judges = os.environ.get("MEISSNER_SIM", "verilator") == "verilator"
     judges = judges and not {"MEISSNER_POWERUP", "MEISSNER_RUNS"} & os.environ.keys()
