@@ -105,6 +105,7 @@ BIG = [
     "tb/verify/test_faults.py::test_finds_damage_that_nobody_reports",
     "tb/verify/test_faults.py::test_no_fault_is_undetected[frame_filter]",
     "tb/verify/test_faults.py::test_no_fault_is_undetected[skid]",
+    "tb/verify/test_formal.py::test_holds[grip]",
     "tb/verify/test_formal.py::test_holds[packet]",
     "tb/verify/test_formal.py::test_holds[scan_plan]",
     "tb/verify/test_mutants.py::test_a_weak_test_leaves_survivors_that_the_solver_distinguishes",
