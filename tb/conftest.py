@@ -129,6 +129,14 @@ def left_alone(items):
     return sorted(name for name, runs in builds.items() if not any(runs))
 
 
+@pytest.fixture
+def no_pictures(monkeypatch):
+    """Pictures are made but not rendered, which takes most of a short run's time: for tests of other results.
+    The same pictures are rendered by another test."""
+    savefig = "matplotlib.figure.Figure.savefig"
+    monkeypatch.setattr(savefig, lambda _, path, **__: path.write_bytes(b"\x89PNG not really"))
+
+
 def pytest_configure(config):
     ahead.of_session(config)
     # Icarus cannot run every build; powerup.py and benches.py do not run every test.
