@@ -3,6 +3,7 @@ counts these builds too. Long tests of the tools that make evidence are listed w
 
 import inspect
 import os
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.tool
 # Each worker is a process: extra BLAS threads for small matrices wait for each other and double the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
+import ahead
 import bodies
 import units
 from meissner.engines import verilated
@@ -103,6 +105,7 @@ BIG = [
     "tb/verify/test_faults.py::test_finds_damage_that_nobody_reports",
     "tb/verify/test_faults.py::test_no_fault_is_undetected[frame_filter]",
     "tb/verify/test_faults.py::test_no_fault_is_undetected[skid]",
+    "tb/verify/test_formal.py::test_holds[grip]",
     "tb/verify/test_formal.py::test_holds[packet]",
     "tb/verify/test_formal.py::test_holds[scan_plan]",
     "tb/verify/test_mutants.py::test_a_weak_test_leaves_survivors_that_the_solver_distinguishes",
@@ -118,14 +121,24 @@ BIG = [
 def left_alone(items):
     """Files of ``items`` none of whose builds `make test` runs."""
     builds = {}
+    calls = cache(lambda function: "bench.run(" in inspect.getsource(function))  # once for all parameter sets
     for item in items:
-        if "bench.run(" in inspect.getsource(item.function):
+        if calls(item.function):
             left = item.get_closest_marker("long") or item.get_closest_marker("big")
             builds.setdefault(item.nodeid.split("::")[0], []).append(not left)
     return sorted(name for name, runs in builds.items() if not any(runs))
 
 
+@pytest.fixture
+def no_pictures(monkeypatch):
+    """Pictures are made but not rendered, which takes most of a short run's time: for tests of other results.
+    The same pictures are rendered by another test."""
+    savefig = "matplotlib.figure.Figure.savefig"
+    monkeypatch.setattr(savefig, lambda _, path, **__: path.write_bytes(b"\x89PNG not really"))
+
+
 def pytest_configure(config):
+    ahead.of_session(config)
     # Icarus cannot run every build; powerup.py and benches.py do not run every test.
     judges = os.environ.get("MEISSNER_SIM", "verilator") == "verilator"
     judges = judges and not {"MEISSNER_POWERUP", "MEISSNER_RUNS"} & os.environ.keys()

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import sysconfig
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -49,6 +50,15 @@ def installed(wheel, tmp_path_factory):
         return subprocess.run(command, cwd=cwd, env=known | more, capture_output=True, text=True)
 
     run.cache, run.python, run.known = home / ".cache/meissner", python, known
+    found = subprocess.run(
+        [python, "-c", "from meissner.builds import toolchain; print(toolchain.BUILD)"],
+        **{"cwd": home, "env": known, "capture_output": True, "text": True, "check": True},
+    )
+    # Verilator's runtime, compiled once: tb/engines/test_odd_path.py also starts without it.
+    (toolchain.BUILD / "objects").mkdir(parents=True, exist_ok=True)
+    build = Path(found.stdout.strip())
+    build.mkdir(parents=True, exist_ok=True)
+    (build / "objects").symlink_to(toolchain.BUILD / "objects")
     return run
 
 

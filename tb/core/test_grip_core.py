@@ -124,6 +124,13 @@ def decisions(taken):
     return found
 
 
+def waits(loop, limit):
+    """How many of the next ``limit`` clocks, none of which has an input, only count in ``loop``: most do."""
+    if loop.windows or loop.due or loop.forget or loop.boost_before != loop.boost:
+        return 0
+    return max(0, min(limit, max(16, loop.period) - 1 - loop.in_period))
+
+
 def by_loop(taken, start, clocks, reports=None, **settings):
     """(clock, word) of every word in ``clocks`` clocks from ``start`` on, where a period begins; ``reports``:
     {clock: (channel, known, speed)} of the speeds reported to the reflex."""
@@ -131,10 +138,17 @@ def by_loop(taken, start, clocks, reports=None, **settings):
     given |= {"watchdog": 7, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "override_value": 0}
     given |= {"speed_gain": 0, "boost": 0}
     loop, found, words = GripLoop(2, 16, 8, **given | settings), decisions(taken), []
-    for clock in range(start, start + clocks):
+    clock, events = start, sorted({*found, *(reports or {}), start + clocks})
+    while clock < start + clocks:
+        while events[0] < clock:
+            events.pop(0)
+        if idle := waits(loop, events[0] - clock):
+            loop.now, loop.in_period, clock = loop.now + idle, loop.in_period + idle, clock + idle
+            continue
         ended = loop.clock(found.get(clock), (reports or {}).get(clock))
         if ended and ended["valid"]:
             words.append((clock + LATENCY, ended["word"]))
+        clock += 1
     return words
 
 

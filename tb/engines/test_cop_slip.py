@@ -137,7 +137,9 @@ def test_what_the_source_gives_numbers_of():
 
 
 @pytest.mark.parametrize("engine", engines.NAMES)
-def test_run_the_scene(tmp_path, engine):
+def test_run_the_scene(tmp_path, engine, request):
+    if engine != "rtl":
+        request.getfixturevalue("no_pictures")
     scene = few(2)
     summary = run.run(scene, engine, tmp_path, seed=3)
     assert json.loads((tmp_path / "summary.json").read_text()) == summary
@@ -170,7 +172,7 @@ def test_run_the_scene(tmp_path, engine):
     assert "0 of 14 runs (0 %, 95 % interval 0 to 23.2 %)" in told and "seeds 3 to 4" in told
 
 
-def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
+def test_a_core_that_differs_is_reported(tmp_path, monkeypatch, no_pictures):
     """One load in one run and two octants in the next differ, which counts three; the twin decides the
     verdict."""
     module, calls = engines.load("rtl"), []
@@ -189,7 +191,7 @@ def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
     assert run.run(few(), "rtl", tmp_path)["twin_mismatches"] == 3
 
 
-def test_a_detector_that_never_fires_misses_all(tmp_path):
+def test_a_detector_that_never_fires_misses_all(tmp_path, no_pictures):
     deaf = dataclasses.replace(few(), registers=dataclasses.replace(SCENE.registers, move=20000))
     summary = run.run(deaf, "fixed", tmp_path)
     assert summary["missed"] == sum(isinstance(c, Pull) for c in SCENE.conditions)
@@ -197,7 +199,7 @@ def test_a_detector_that_never_fires_misses_all(tmp_path):
     assert "no flag" in "\n".join(run.tell(deaf, summary))
 
 
-def test_without_its_move_the_detector_takes_a_release_for_a_slip(tmp_path):
+def test_without_its_move_the_detector_takes_a_release_for_a_slip(tmp_path, no_pictures):
     loose = dataclasses.replace(few(), registers=dataclasses.replace(SCENE.registers, move=0))
     rows = {row["condition"]: row for row in run.run(loose, "fixed", tmp_path)["conditions"]}
     assert rows["let go"]["false_alarms"] > 0 and rows["quickly"]["false_alarms"] > 0

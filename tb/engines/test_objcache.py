@@ -41,3 +41,10 @@ def test_a_runtime_is_one_wherever_a_link_leads_to_it(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "real")
     key = lambda folder: objcache._key("c++", ["-Og", "-c", f"-I{folder}", f"{folder}/verilated.cpp"])
     assert key(real) == key(tmp_path / "link/include") != key(other)
+
+
+def test_a_runtime_is_one_for_all_models(tmp_path):
+    """Its sources include nothing from a model's folder, but the options that follow count."""
+    key = lambda *words: objcache._key("c++", ["-Og", f"-I{INCLUDE}", *words, f"{INCLUDE}/verilated.cpp"])
+    assert key(f"-I{tmp_path}") == key(f"-I{tmp_path}/none") == key()
+    assert len({key(), key("-DVM_TRACE=1"), key("-I."), key(f"-I{INCLUDE}/vltstd")}) == 4

@@ -261,7 +261,7 @@ GRAIN = {
 
 @pytest.mark.parametrize("name", MESHES)
 @pytest.mark.parametrize("engine", ["fixed", "rtl"])
-def test_run_a_mesh_scene_on_the_core(tmp_path, name, engine):
+def test_run_a_mesh_scene_on_the_core(tmp_path, no_pictures, name, engine):
     """The result is within the converter's error of the exact voltages; the core's words equal the twin's."""
     scene = scenes.load(name)
     summary = run.run(scene, engine, tmp_path, seed=1)
@@ -295,7 +295,7 @@ def test_the_seed_draws_the_converter_s_noise():
     assert 0 < np.abs(one - other).max() < 20
 
 
-def test_every_difference_from_the_twin_counts(tmp_path, monkeypatch):
+def test_every_difference_from_the_twin_counts(tmp_path, no_pictures, monkeypatch):
     module = engines.load("rtl")
     right = module.cop4
 

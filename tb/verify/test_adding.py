@@ -89,7 +89,7 @@ def do(step, tree):
     elif step.language == "console" and step.what in ("", "long"):
         # A pytest in the step is separate, and its meissner is the copy's.
         known = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "COV_", "MEISSNER_"))}
-        known |= {"PYTHONPATH": str(tree.top / "model"), "PYTHONDONTWRITEBYTECODE": "1"}
+        known |= {"PYTHONPATH": str(tree.top / "model")}
         run(tree, ["bash", "-euxo", "pipefail", "-c", step.text], known)
     else:
         assert (step.language, step.what) == ("console", "by-hand"), f"{step.language} {step.what}"

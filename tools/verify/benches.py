@@ -11,10 +11,11 @@ from pathlib import Path
 from meissner.builds import toolchain
 
 PLUGIN = """
-import inspect, json, os
+import functools, inspect, json, os
 import bench
+builds = functools.cache(lambda function: "bench.run(" in inspect.getsource(function))
 def pytest_collection_modifyitems(items):
-    items[:] = [i for i in items if "bench.run(" in inspect.getsource(i.function)]
+    items[:] = [i for i in items if builds(i.function)]
 def _run(stage, block, parameters=None, test_filter=None, module=None, sources=None, **_):
     given = {k: str(v) for k, v in (parameters or {}).items()}
     told = {"stage": stage, "block": block, "parameters": given, "test_filter": test_filter,

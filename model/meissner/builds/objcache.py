@@ -24,6 +24,8 @@ SPEC = importlib.util.spec_from_file_location("kept", Path(__file__).with_name("
 kept = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(kept)
 
+OWN = ("verilated.h", "svdpi.h")  # in the runtime's own include folders
+
 
 def folder():
     """The folder of the cached objects and headers."""
@@ -31,15 +33,22 @@ def folder():
 
 
 def _key(compiler, words):
-    """The hash of a compiler's version and arguments. Paths are resolved, so that trees which link to one
-    environment share its runtime."""
+    """The hash of a compiler's version and arguments. Paths are resolved, and include folders of models are
+    left out, from which the runtime includes nothing, so that trees which link to one environment share its
+    runtime."""
+
+    def of_a_model(word):
+        path = word.removeprefix("-I")
+        own = any(os.path.exists(os.path.join(path, name)) for name in OWN)
+        return word != path and os.path.isabs(path) and not own
 
     def meant(word):
         option = "-I" if word.startswith("-I") else ""
         path = word[len(option) :]
         return option + os.path.realpath(path) if os.path.isabs(path) else word
 
-    return hashlib.sha256("\0".join([version(compiler), *map(meant, words)]).encode()).hexdigest()
+    words = [meant(word) for word in words if not of_a_model(word)]
+    return hashlib.sha256("\0".join([version(compiler), *words]).encode()).hexdigest()
 
 
 def _precompile(compiler, flags, header, found):
