@@ -91,18 +91,19 @@ module msn_packet_slip #(
 
   // Where the head's next bit comes from, chosen a clock before the memory answers: below 6 the time's low bits, then
   // the stamp, from 48 on the type, from 56 on the number.
-  logic next_count, next_stamp, next_head, next_load, early, late, from_stamp, from_count, known;
+  logic next_count, next_stamp, next_head, next_load, early, late, from_stamp, from_count, known, loaded;
   assign early      = ahead[5:3] == '0 && ahead[2:1] != 2'b11;
   assign late       = &ahead[5:4];
   assign next_count = (count ^ carry) && !clearing;
   assign next_stamp = snap ? count : stamp;
   assign next_head  = (copy ? from_stamp && stamp : head) || (copy && (from_count ? count : known));
-  assign next_load  = copy ? loads[at[4:0]] && !at[5] : load;
+  assign next_load  = copy ? loaded : load;
 
   always_ff @(posedge clk_i) begin
     from_stamp <= !early && !late;
     from_count <= late && ahead[3];
     known      <= early ? lows[ahead[2:0]] : late && ahead[3:0] == '0;
+    loaded     <= loads[ahead[4:0]] && !ahead[5];
     {load, head, stamp, count} <= memory[ahead];
     memory[at] <= {next_load, next_head, next_stamp, next_count};
     carry      <= (carry && count) || at == 6'd5 || (copy && at == 6'd55);
