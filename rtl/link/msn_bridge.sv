@@ -7,7 +7,7 @@
 //
 // The answer repeats the command's tag. A frame that is not such a command, has a wrong checksum, pauses for
 // TimeoutClocks, has a line error, or arrives before the last command is answered changes nothing, is not answered
-// and is counted. The access follows the closing zero by 1 clock, the answer follows bus_done_i by 1.
+// and is counted. The access follows the closing zero by 2 clocks, the answer follows bus_done_i by 1.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/bridge.py
 
@@ -44,6 +44,15 @@ module msn_bridge #(
   localparam int unsigned CommandBytes = 12;
   localparam int unsigned WaitBits     = $clog2(TimeoutClocks + 1);
 
+  // The line's byte again, a clock later: it is known late, and the command's registers depend on all of it.
+  logic       heard, damaged;
+  logic [7:0] heard_data;
+  always_ff @(posedge clk_i) begin
+    heard_data       <= in_data_i;
+    {heard, damaged} <= {in_valid_i, in_error_i};
+    if (rst_i) {heard, damaged} <= '0;
+  end
+
   // COBS frames: a code is the number of bytes up to the next code, which stands for a zero of the command.
   logic [7:0]          run;      // bytes before the next code
   logic [3:0]          count;    // bytes of the command so far, 15: too many
@@ -54,24 +63,24 @@ module msn_bridge #(
   logic [31:0]         crc;
   logic                delimiter, is_code, push, late, good;
   logic [7:0]          pushed;
-  assign delimiter = in_valid_i && in_data_i == '0;
+  assign delimiter = heard && heard_data == '0;
   assign is_code   = run == '0;
-  assign push      = in_valid_i && !delimiter && (!is_code || open);
-  assign pushed    = is_code ? '0 : in_data_i;
+  assign push      = heard && !delimiter && (!is_code || open);
+  assign pushed    = is_code ? '0 : heard_data;
   assign late      = open && waited == WaitBits'(TimeoutClocks);
   assign good      = open && !spoilt && is_code && count == 4'(CommandBytes) && crc == 32'hDEBB_20E3
                      && command[7:1] == '0 && command[31:28] == '0;
 
   always_ff @(posedge clk_i) begin
-    waited <= (!open || in_valid_i) ? '0 : waited + 1'b1;
-    if (in_valid_i) begin
+    waited <= (!open || heard) ? '0 : waited + 1'b1;
+    if (heard) begin
       open <= !delimiter;
-      run  <= delimiter ? '0 : is_code ? in_data_i - 1'b1 : run - 1'b1;
+      run  <= delimiter ? '0 : is_code ? heard_data - 1'b1 : run - 1'b1;
       if (delimiter) count <= '0;
       else if (push && !(&count)) count <= count + 1'b1;
       if (push && !count[3]) command <= {pushed, command[63:8]};
     end
-    spoilt <= (spoilt && !delimiter) || (in_error_i && open);
+    spoilt <= (spoilt && !delimiter) || (damaged && open);
     if (late) begin
       open  <= 1'b0;
       run   <= '0;
