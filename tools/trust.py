@@ -75,7 +75,7 @@ WRITERS = {  # {kind: the module with its ``total``}, if that is not the tool wi
     **{"mutants": "verify.mutants_page", "coverage": "cover", "faults": "verify.faults"},
     **{"regress": "verify.regress", "fuzz": "verify.fuzz"},
 }
-BOXES = "with memories as registers and with products and inner blocks as black boxes"
+BOXES = f"with {readme.BOXES}"
 HEAD = """# Trust
 
 `make trust` runs all the evidence and writes this page; `python tools/trust.py --page` writes it from the

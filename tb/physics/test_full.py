@@ -40,9 +40,8 @@ def given(one, engine, out, compared=None):
 
 
 @pytest.fixture
-def once(monkeypatch):
+def once(monkeypatch, no_pictures):
     """No pictures, and each part of --full runs once, because no time is measured here."""
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda _, path, **__: path.write_bytes(b""))
     monkeypatch.setattr(full, "_ms_per_s", lambda part: round(1e3 / part(), 3))
 
 
