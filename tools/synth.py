@@ -107,7 +107,7 @@ def tables(recorded):
         if "left_out" in r:
             continue
         name = f"{label(board.title.partition(' (')[0], r.get('device'))}, {config}"
-        if r.get("of") != revision.of_board(board, config, r.get("blocks", "")):
+        if r.get("of") != revision.of_board(board, config)(r.get("blocks", "")):
             name += " (stale)"
         used = " | ".join(str(r[key]) for key in AREA)
         enough = sum(mhz >= r["clk_mhz"] for mhz in r["mhz"])
@@ -220,6 +220,7 @@ def measure(pairs, options):
     problems = missing(kept) if options.check and options.board is None else []
     for board, config, _ in pairs:
         name, begin = f"{board.name}-{config}", time.monotonic()
+        digest = revision.of_board(board, config)  # before the build reads the sources
         try:
             with private(name) as folder:
                 result = build(
@@ -234,7 +235,7 @@ def measure(pairs, options):
         if options.check:
             problems += compare(name, kept.get(name), result)
         if options.record:
-            kept = write({name: result | {"of": revision.of_board(board, config, result["blocks"])}})
+            kept = write({name: result | {"of": digest(result["blocks"])}})
     if options.record and not missing(kept):
         write_tables(kept)
     return problems

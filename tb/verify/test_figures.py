@@ -159,7 +159,7 @@ def digests():
     }
     found["scene"] = revision.of_files(rests_on, "scenes")
     for name in ("icebreaker", "ulx3s"):
-        found[name] = revision.of_board(boards.BOARDS[name], "slip1", BUILT)
+        found[name] = revision.of_board(boards.BOARDS[name], "slip1")(BUILT)
     return found
 
 
@@ -178,12 +178,14 @@ CHANGES = [
     ("rtl/boards/msn_board.sv", "assign", "assign ", ""),
     ("rtl/boards/msn_board.sv", "assign", "assign #1", "icebreaker ulx3s"),
     ("rtl/boards/ulx3s_clock.sv", "(", "(1", "ulx3s"),
-    ("constraints/icebreaker.toml", "[", "\n[", "icebreaker"),
+    ("constraints/icebreaker.toml", '"35"', '"36"', "icebreaker"),
+    ("constraints/icebreaker.toml", "# Pins", "# Lines", ""),
     ("requirements/synth.txt", "ecp5==", "ecp5==1", "slip-1 cop4 cop_array-64x64 cobs icebreaker ulx3s"),
     ("requirements/sim.txt", "numpy==", "numpy==1", "scene"),
     ("model/meissner/twins/slip/slip.py", " >= ", " > ", "scene"),
     ("model/meissner/twins/slip/slip.py", '"""', '""" ', ""),
-    ("model/meissner/scenes/rubber/acrylic_slip.toml", "=", "= 1", "scene"),
+    ("model/meissner/scenes/rubber/acrylic_slip.toml", "rate_hz = 1", "rate_hz = 2", "scene"),
+    ("model/meissner/scenes/rubber/acrylic_slip.toml", "# chosen", "#", ""),
     ("model/meissner/twins/cop/cop.py", "+", "-", ""),
 ]
 
@@ -241,11 +243,22 @@ def test_a_recorded_block_and_board_are_of_their_rtl(tmp_path, monkeypatch):
     records = figures.Records(json.loads(fmax.RECORD.read_text()), {})
     assert [records.stale(key) for key in ("slip-1 ecp5", "cop4 ecp5")] == [False, True]
     pairs = dict(PAIRS)
-    of_now = revision.of_board(boards.BOARDS["ulx3s"], "slip1", BUILT)
+    of_now = revision.of_board(boards.BOARDS["ulx3s"], "slip1")(BUILT)
     for name, of in (("ulx3s", of_now), ("icebreaker", "before")):
         pairs[f"{name}-slip1"] = pairs[f"{name}-slip1"] | {"of": of, "blocks": BUILT}
     table = synth.tables(pairs)[0]
     assert "| ULX3S 25F, slip1 |" in table and "| iCEBreaker, slip1 (stale) |" in table
+
+
+def test_a_board_is_recorded_as_of_the_sources_that_its_build_read(change):
+    """A source that changes while the board is built makes the record stale."""
+    board = boards.BOARDS["icebreaker"]
+    of = revision.of_board(board, "slip1")
+    before = of(BUILT)
+    assert of("msn_core msn_slip") != before, "no msn_multiply"
+    change("rtl/slip/msn_slip.sv", "<=", "<= ~")
+    change("rtl/ecp5/msn_multiply.sv", ".P35(p[35])", ".P35(p[34])")
+    assert of(BUILT) == before != revision.of_board(board, "slip1")(BUILT)
 
 
 def test_a_scene_names_every_file_that_it_rests_on():

@@ -47,6 +47,8 @@ OWN = {  # files of a kind that affect its results for every block
 @cache
 def _unread(suffix, text):
     """The text of a file without comments, docstrings and layout."""
+    if suffix == ".toml":
+        return repr(tomllib.loads(text))
     if suffix != ".py":
         return " ".join(re.sub(r"//.*", "", text).split())
     tree = ast.parse(text)
@@ -162,20 +164,28 @@ def _placed(path):
     return CHECK.sub("", _synthesised(path))
 
 
-def of_board(board, config, blocks):
-    """The digest for the figures of a bitstream: RTL, pins, commands and parameters.
+def of_board(board, config):
+    """Read what the figures of a bitstream rest on: RTL, pins, commands and parameters.
 
-    ``blocks``: the modules in the bitstream, in one string; its parameters leave out all others of the core.
+    Returns a function: the modules in the bitstream, in one string, to the digest. The parameters leave out all
+    other modules of the core, which is known only after the build; the files may have changed by then.
     """
     own = [toolchain.ROOT / name for name in board.sources]
     known = {path.stem for path in toolchain.sources()}
     named = {name for path in own for name in re.findall(r"\bmsn_\w+", _plain(path)) if name in known}
     sources = sorted({path for name in named for path in toolchain.sources_of(name)})
-    sources = [path for path in sources if path.stem in blocks.split() or path.stem.endswith("_pkg")]
-    pins = (toolchain.ROOT / f"constraints/{board.name}.toml").read_text("utf-8")
+    read = {path: _placed(path) for path in [*own, *sources]}
+    instead = {path: _instead([path]) for path in sources}
+    pins = _plain(toolchain.ROOT / f"constraints/{board.name}.toml")
     setting = repr((board.synth, board.pnr, board.device(config), sorted(board.parameters(config).items())))
-    texts = _texts([*own, *sources], _placed)
-    return _hashed([*texts, *_instead(sources), pins, setting, *_versions("boards")])
+
+    def digest_with(blocks):
+        built = blocks.split()
+        used = [path for path in sources if path.stem in built or path.stem.endswith("_pkg")]
+        others = [text for path in used for text in instead[path]]
+        return _hashed([*_texts([*own, *used], read.get), *others, pins, setting, *_versions("boards")])
+
+    return digest_with
 
 
 def of_files(names, kind):
@@ -186,7 +196,7 @@ def of_files(names, kind):
     paths = [toolchain.ROOT / name for name in names]
     if not all(path.exists() for path in paths):
         return None
-    code = (".py", ".sv", ".cpp", ".hpp")
+    code = (".py", ".sv", ".cpp", ".hpp", ".toml")
     texts = [_plain(path) if path.suffix in code else path.read_text("utf-8") for path in paths]
     simulator = _versions("faults") if any(name.endswith(".sv") for name in names) else []
     return _hashed([*names, *texts, *_versions(kind), *simulator])
