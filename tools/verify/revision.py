@@ -167,8 +167,8 @@ def _placed(path):
 def of_board(board, config):
     """Read what the figures of a bitstream rest on: RTL, pins, commands and parameters.
 
-    Returns a function: the modules in the bitstream, in one string, to the digest. The parameters leave out all
-    other modules of the core, which is known only after the build; the files may have changed by then.
+    Returns a function from the modules in the bitstream, in one string, to the digest. Which modules the
+    parameters leave out is known only after the build, and the files may have changed by then.
     """
     own = [toolchain.ROOT / name for name in board.sources]
     known = {path.stem for path in toolchain.sources()}
