@@ -152,7 +152,11 @@ BUILT = "msn_core msn_multiply msn_slip"  # modules in the boards' builds
 
 
 def digests():
-    rests_on = ["model/meissner/twins/slip/slip.py", "model/meissner/scenes/rubber/acrylic_slip.toml"]
+    rests_on = [
+        "model/meissner/twins/slip/slip.py",
+        "model/meissner/builds/config.py",
+        "model/meissner/scenes/rubber/acrylic_slip.toml",
+    ]
     found = {
         key: fmax.revision_of(*key.split())
         for key in ("slip-1 ecp5", "cop4 ecp5", "cop_array-64x64 ecp5", "cobs ecp5")
@@ -186,6 +190,8 @@ CHANGES = [
     ("model/meissner/twins/slip/slip.py", '"""', '""" ', ""),
     ("model/meissner/scenes/rubber/acrylic_slip.toml", "rate_hz = 1", "rate_hz = 2", "scene"),
     ("model/meissner/scenes/rubber/acrylic_slip.toml", "# chosen", "#", ""),
+    ("model/meissner/builds/config.py", "] is missing", "] is not there", ""),  # what an exception says
+    ("model/meissner/builds/config.py", "raise ValueError", "raise KeyError", "scene"),
     ("model/meissner/twins/cop/cop.py", "+", "-", ""),
 ]
 

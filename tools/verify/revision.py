@@ -45,8 +45,9 @@ OWN = {  # files of a kind that affect its results for every block
 
 
 @cache
-def _unread(suffix, text):
-    """The text of a file without comments, docstrings and layout."""
+def _unread(suffix, text, errors=True):
+    """The text of a file without comments, docstrings and layout; ``errors`` False: and of a Python file without
+    the arguments of its raised exceptions."""
     if suffix == ".toml":
         return repr(tomllib.loads(text))
     if suffix != ".py":
@@ -55,6 +56,8 @@ def _unread(suffix, text):
     if (stated := evidence.statement(tree)) is not None:
         tree.body.remove(stated)
     for node in ast.walk(tree):
+        if not errors and isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+            node.exc.args = []
         body = getattr(node, "body", None)
         if isinstance(body, list) and body and isinstance(body[0], ast.Expr):
             said = body[0].value
@@ -191,13 +194,18 @@ def of_board(board, config):
 def of_files(names, kind):
     """The digest for figures that rest on files of the repository; None if one no longer exists.
 
-    If RTL sources are among them, the simulator's version counts, too.
+    What the exceptions of Python files say changes no figure and does not count. If RTL sources are among the
+    files, the simulator's version counts, too.
     """
     paths = [toolchain.ROOT / name for name in names]
     if not all(path.exists() for path in paths):
         return None
     code = (".py", ".sv", ".cpp", ".hpp", ".toml")
-    texts = [_plain(path) if path.suffix in code else path.read_text("utf-8") for path in paths]
+    texts = [path.read_text("utf-8") for path in paths]
+    texts = [
+        _unread(path.suffix, text, errors=False) if path.suffix in code else text
+        for path, text in zip(paths, texts)
+    ]
     simulator = _versions("faults") if any(name.endswith(".sv") for name in names) else []
     return _hashed([*names, *texts, *_versions(kind), *simulator])
 
