@@ -46,8 +46,8 @@ OWN = {  # files of a kind that affect its results for every block
 
 @cache
 def _unread(suffix, text, errors=True):
-    """The text of a file without comments, docstrings and layout; ``errors`` False: and of a Python file without
-    the arguments of its raised exceptions."""
+    """The text of a file without comments, docstrings and layout. With ``errors`` False the arguments of
+    exceptions raised in Python files are left out, too."""
     if suffix == ".toml":
         return repr(tomllib.loads(text))
     if suffix != ".py":
