@@ -77,13 +77,15 @@ def load(path):
     def wanted(name, shape, _):
         if name in names and (len(shape) > 2 or max(shape, default=0) > MAX_SIDE):
             size = "×".join(map(str, shape))
-            raise files.Unwanted(f"{path} is no calibration: {name} is {size}, beyond {MAX_SIDE}×{MAX_SIDE}")
+            raise files.Unwanted(
+                f"{path} is not a calibration: {name} is {size}, beyond {MAX_SIDE}×{MAX_SIDE}"
+            )
         return name in names
 
     arrays = _arrays(path, wanted)
     for name in names:
         if name not in arrays:
-            raise ValueError(f"{path} is no calibration: it has no {name}")
+            raise ValueError(f"{path} is not a calibration: it has no {name}")
     try:
         for name in ("offset", "gain", "gain_shift"):
             if arrays[name].dtype.kind not in "iu":
@@ -102,7 +104,7 @@ def load(path):
             force_lsb_n=float(arrays["force_lsb_n"]),
         )
     except ValueError as problem:
-        raise ValueError(f"{path} is no calibration: {problem}") from None
+        raise ValueError(f"{path} is not a calibration: {problem}") from None
 
 
 def check_codes(codes, shape=None):
@@ -114,7 +116,7 @@ def check_codes(codes, shape=None):
         raise ValueError(f"the codes must have the shape [frames, rows, columns], not {codes.shape}")
     if shape is not None and codes.shape[1:] != shape:
         sizes = ["×".join(map(str, size)) for size in (codes.shape[1:], shape)]
-        raise ValueError(f"the codes are of {sizes[0]} cells and the calibration of {sizes[1]}")
+        raise ValueError(f"the codes have {sizes[0]} cells but the calibration has {sizes[1]}")
     if codes.dtype.kind == "f" and not (np.isfinite(codes).all() and (codes == np.rint(codes)).all()):
         raise ValueError("the codes hold NaN, infinity or numbers that are not integers")
     if codes.min() < -RAW_LIMIT or codes.max() >= RAW_LIMIT:
@@ -146,7 +148,7 @@ def cell_forces(force_n, shape, probed=None):
         return np.broadcast_to(force_n if force_n.ndim == 3 else force_n[:, None, None], shape)
     probed = np.asarray(probed)
     if force_n.ndim == 3:
-        raise ValueError("probed goes with one force a frame, not with one a cell")
+        raise ValueError("probed needs one force per frame, not one per cell")
     if probed.dtype.kind not in "iu" or probed.shape != (frames, 2):
         raise ValueError(f"probed must be integers of the shape [{frames}, 2]: row and column of each frame")
     nothing = (probed == -1).all(axis=1)
@@ -170,16 +172,16 @@ def read_recording(path, force_path=None):
     path = Path(path)
     if path.suffix.lower() == ".npz":
         if force_path is not None:
-            raise ValueError(f"{path} holds its forces itself: leave --force out")
+            raise ValueError(f"{path} already contains forces: omit --force")
         names = ("codes", "force_n", "probed")
         arrays = _arrays(path, lambda name, *_: name in names)
         for name in names[:2]:
             if name not in arrays:
-                raise ValueError(f"{path} is no press recording: it has no {name}")
+                raise ValueError(f"{path} is not a press recording: it has no {name}")
         codes, force_n, probed = arrays["codes"], arrays["force_n"], arrays.get("probed")
     else:
         if force_path is None:
-            raise ValueError(f"{path} holds codes only: name the forces with --force, or give a .npz file")
+            raise ValueError(f"{path} contains only codes: give the forces with --force, or use a .npz file")
         codes, probed = files.read_array(path), None
         force_n = files.read_array(force_path)
         if Path(force_path).suffix.lower() == ".csv" and len(force_n) == 1:
@@ -209,7 +211,7 @@ def _check_presses(force_n, known):
         count = int(few.sum())
         raise ValueError(
             f"too few presses for {count} cell{'s' * (count > 1)} (row, column): {named(few)}; each needs "
-            f"{LEVELS} forces (0 counts) that lie {LEVEL_SHARE * largest:.3g} N or more apart"
+            f"{LEVELS} forces, of which one may be 0, at least {LEVEL_SHARE * largest:.3g} N apart"
         )
     return largest
 
@@ -265,7 +267,9 @@ def fit(codes, force_n, lsb_n=None, gain_shift=GAIN_SHIFT):
     gain = np.floor((1 << gain_shift) / (np.where(dead, 1.0, slope) * lsb_n) + 0.5).astype(np.int64)
     outside = (offset < -RAW_LIMIT) | (offset >= RAW_LIMIT)
     if outside.any():
-        raise ValueError(f"the line meets no force outside the codes' range in the cells {named(outside)}")
+        raise ValueError(
+            f"the fitted code at zero force lies outside the codes' range in the cells {named(outside)}"
+        )
     answer = Calibration(
         offset=offset,
         gain=np.where(dead, 0, gain),

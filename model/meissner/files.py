@@ -136,7 +136,7 @@ def check_out(path):
     if path.is_dir():
         raise ValueError(f"{path} is a folder; name a file")
     if path.exists() and not path.is_file():
-        raise ValueError(f"{path} is not a file that could be replaced")  # a device, a pipe
+        raise ValueError(f"{path} is not a regular file and cannot be replaced")  # a device, a pipe
     return path
 
 

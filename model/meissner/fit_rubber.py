@@ -200,13 +200,13 @@ def _check(steps):
         raise ValueError(f"{count} of shear: too few for three constants; record {LEAST_STEPS} or more")
     if np.ptp(rest_v) < LEAST_REST_RANGE_V:
         raise ValueError(
-            f"every step starts from {rest_v.min():.2f} to {rest_v.max():.2f} V, so k1 stays unknown; "
+            f"every step starts from {rest_v.min():.2f} to {rest_v.max():.2f} V, so k1 cannot be determined; "
             f"press harder for some, by {LEAST_REST_RANGE_V:g} V or more"
         )
     if speed_mm_s.max() < LEAST_SPEED_RATIO * speed_mm_s.min():
         raise ValueError(
-            f"the speeds lie in {speed_mm_s.min():g} .. {speed_mm_s.max():g} mm/s, so n stays unknown; "
-            f"the fastest must be {LEAST_SPEED_RATIO:g} times the slowest or more"
+            f"the speeds lie in {speed_mm_s.min():g} .. {speed_mm_s.max():g} mm/s, "
+            f"so n cannot be determined; the fastest must be {LEAST_SPEED_RATIO:g} times the slowest or more"
         )
 
 

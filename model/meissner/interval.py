@@ -9,7 +9,7 @@ def exact(count, runs, confidence=CONFIDENCE):
     from scipy.special import betaincinv  # imported here: only commands that run scenes wait for SciPy
 
     if not 0 <= count <= runs or runs < 1:
-        raise ValueError(f"{count} of {runs} runs is no count of runs")
+        raise ValueError(f"count = {count} must lie in 0 .. runs, and runs = {runs} must be 1 or more")
     tail = (1.0 - confidence) / 2.0
     low = float(betaincinv(count, runs - count + 1, tail)) if count else 0.0
     high = float(betaincinv(count + 1, runs - count, 1.0 - tail)) if count < runs else 1.0

@@ -202,7 +202,7 @@ def test_a_pull_is_written_as_each_tool_reads_it():
     assert "{PACKAGE_PIN 7 IOSTANDARD LVCMOS33 PULLUP TRUE} [get_ports {moving_i}]" in written[".xdc"]
     down = pins.Plan(plan.board, "x", (pins.Port("busy", "busy_i", ("8",), ("x",), ("y",), "down"),))
     assert "PULLMODE=DOWN" in board_files.constraints(down, ".lpf")
-    with pytest.raises(ValueError, match="an iCE40 has no pull-down, busy_i"):
+    with pytest.raises(ValueError, match="an iCE40 has no pull-down, which busy_i needs"):
         board_files.constraints(down, ".pcf")
 
 
@@ -230,7 +230,7 @@ def test_no_description_gives_a_pin_twice(tmp_path, monkeypatch):
     (tmp_path / "constraints").mkdir()
     monkeypatch.setattr(pins, "ROOT", tmp_path)
     for wrong, said in (
-        (text.replace('A5 = "T17"', 'A5 = "A9"'), "the pin A9 is there twice"),
+        (text.replace('A5 = "T17"', 'A5 = "A9"'), "the pin A9 is listed twice"),
         (text.replace('cs_n = ["feather 5"]', 'cs_n = ["feather 7"]'), "cs_n prefers 'feather 7'"),
         (text.replace('busy = "down"', 'busy = "left"'), "the pull of busy must be"),
     ):
@@ -257,8 +257,9 @@ def test_what_does_not_fit_is_refused_with_what_is_missing(capsys, tmp_path):
     file.write_text(users.array(24.0, "AD7606", 8, 64, 8, 8, lanes=2, rate_hz=100.0), "utf-8")
     said = said_of(capsys, "icebreaker", str(file))
     assert (
-        "refused-here needs 37 pins of the icebreaker's headers (1 adc_cs_n_o, 1 adc_sclk_o, 1 adc_convst_o, "
-        "1 adc_reset_o, 8 adc_busy_i, 16 adc_miso_i, 8 row_o, 1 moving_n_i) and there are 24; without a pin: "
+        "refused-here needs 37 header pins (1 adc_cs_n_o, 1 adc_sclk_o, 1 adc_convst_o, "
+        "1 adc_reset_o, 8 adc_busy_i, 16 adc_miso_i, 8 row_o, 1 moving_n_i) but the icebreaker "
+        "has only 24; lines without a pin: "
     ) in said
     assert said.count("(DOUT") == 13 and said.endswith("adc_miso_i (DOUTB of converter 7)\n")
 
@@ -267,9 +268,9 @@ def test_what_does_not_fit_is_refused_with_what_is_missing(capsys, tmp_path):
     "board, text, said",
     [
         ("ulx3s", users.array(24.0, "MCP3208", 2, 4, 2, 2),
-         "the ulx3s makes a clock of 25 or 50 or 100 MHz and refused-here asks for 24"),
+         "the ulx3s can clock the core at 25 or 50 or 100 MHz but refused-here needs 24 MHz"),
         ("tangnano20k", users.array(25.0, "MCP3208", 2, 4, 2, 2),
-         "the tangnano20k makes a clock of 27 MHz and refused-here asks for 25"),
+         "the tangnano20k can clock the core at 27 MHz but refused-here needs 25 MHz"),
         ("ulx3s", "about = 'no more'", "refused-here.toml: "),
         ("ulx3s", "[[[", "is not a TOML file"),
         ("ulx3s", users.array(25.0, "MCP3208", 2, 4, 3, 2), "must be one of: 1, 2, 4, 8"),

@@ -148,7 +148,7 @@ BAD = {
     "window too long": (slip("in.npy", "--window", 2048), "1000 samples do not fill one window of 2048"),
     "words": (slip("words.csv"), "words.csv is not a table of numbers"),
     "no folder": (slip("in.npy", out="no/out.npz"), "there is no folder no"),
-    "not a file": (slip("in.npy", out="pipe"), "pipe is not a file"),
+    "not a file": (slip("in.npy", out="pipe"), "pipe is not a regular file"),
     "out a folder": (slip("in.npy", out="folder"), "folder is a folder; name a file"),
     "out of another kind": (slip("in.npy", out="out.npy"), "out.npy must be a .npz or a .csv file"),
     "out without a kind": (cop("cube.npy", out="out"), "out must be a .npz or a .csv file"),
@@ -159,7 +159,7 @@ BAD = {
     "in a folder of a kind": (cop("folder.csv"), "folder.csv is a folder; name a file"),
     "in a device": (slip("/dev/zero"), "/dev/zero is a pipe or a device"),
     "calibration a pipe": (cop("cube.npy", "--calibration", "pipe"), "pipe is a pipe or a device"),
-    "calibrate a pipe": (calibrate("pipe"), "holds codes only"),
+    "calibrate a pipe": (calibrate("pipe"), "contains only codes"),
     "calibrate a pipe of a kind": (calibrate("pipe.npz"), "pipe.npz is a pipe or a device"),
     "calibrate forces a pipe": (calibrate("cube.npy", "--force", "pipe.npy"), "pipe.npy is a pipe or a"),
     "cop4 config a pipe": (
@@ -177,11 +177,11 @@ BAD = {
     "says more than it has": (slip("tall_header.npy"), "tall_header.npy is not a .npy file"),
     "cop calibration inflated": (
         cop("cube.npy", "--calibration", "bomb.npz"),
-        "bomb.npz is no calibration: offset is 20000×20000, beyond 1024×1024",
+        "bomb.npz is not a calibration: offset is 20000×20000, beyond 1024×1024",
     ),
     "cop calibration long": (
         cop("cube.npy", "--calibration", "bomb1.npz"),
-        "bomb1.npz is no calibration: gain is 400000000, beyond 1024×1024",
+        "bomb1.npz is not a calibration: gain is 400000000, beyond 1024×1024",
     ),
     "cop calibration header": (
         cop("cube.npy", "--calibration", "bomb2.npz"),
@@ -212,15 +212,15 @@ BAD = {
     "cop calibration kind": (cop("cube.npy", "--calibration", "in.npy"), "in.npy is not a .npz file"),
     "cop calibration other": (
         cop("cube.npy", "--calibration", "other.npz"),
-        "other.npz is no calibration: it has no offset",
+        "other.npz is not a calibration: it has no offset",
     ),
     "cop calibration gain": (
         cop("cube.npy", "--calibration", "gain.npz"),
-        "gain.npz is no calibration: the gains must lie in 0 .. 65535",
+        "gain.npz is not a calibration: the gains must lie in 0 .. 65535",
     ),
     "cop calibration size": (
         cop("cube.npy", "--calibration", "cal.npz"),
-        "the codes are of 2×64 cells and the calibration of 3×2",
+        "the codes have 2×64 cells but the calibration has 3×2",
     ),
     "cop calibration codes": (
         cop("far.npy", "--calibration", "cal.npz"),
@@ -229,11 +229,14 @@ BAD = {
     "cop calibration NaN": (cop("nan32.npy", "--calibration", "cal.npz"), "the codes hold NaN"),
     "calibrate missing": (calibrate("nowhere.npz"), "there is no file nowhere.npz"),
     "calibrate text": (calibrate("text.npz"), "text.npz is not a .npz file"),
-    "calibrate other": (calibrate("other.npz"), "other.npz is no press recording: it has no codes"),
-    "calibrate no force": (calibrate("cube.npy"), "cube.npy holds codes only: name the forces with --force"),
+    "calibrate other": (calibrate("other.npz"), "other.npz is not a press recording: it has no codes"),
+    "calibrate no force": (
+        calibrate("cube.npy"),
+        "cube.npy contains only codes: give the forces with --force",
+    ),
     "calibrate two forces": (
         calibrate("press.npz", "--force", "in.npy"),
-        "press.npz holds its forces itself",
+        "press.npz already contains forces",
     ),
     "calibrate force shape": (
         calibrate("cube.npy", "--force", "in.npy"),
@@ -254,9 +257,9 @@ BAD = {
     "scene": (("run", "nope", "--out", "results"), "unknown scene 'nope'"),
     "run into a file": (("run", "acrylic_slip", "--out", "in.npy/results"), "in.npy is a file"),
     "run engine": (("run", "acrylic_slip", "--engine", "warp", "--out", "results"), "unknown engine"),
-    "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves needs the rtl engine"),
+    "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves requires --engine rtl"),
     "run seed": (("run", "acrylic_slip", "--seed", "-1", "--out", "results"), "seed = -1"),
-    "run cop waves": (("run", "walk_25x5", "--waves", "--out", "results"), "--waves needs the rtl engine"),
+    "run cop waves": (("run", "walk_25x5", "--waves", "--out", "results"), "--waves requires --engine rtl"),
     "run mesh engine": (
         ("run", "cop_load", "--engine", "warp", "--out", "results"),
         "unknown engine 'warp'",

@@ -107,7 +107,7 @@ BAD = {
     "a binary file": (cop4(config="in.npy"), "in.npy is not a TOML file"),
     "waves of a slip": (
         ("run", "cop_slip", "--waves", "--out", "results"),
-        "--waves needs the rtl engine",
+        "--waves requires --engine rtl",
     ),
     "engine of a slip": (
         ("run", "cop_slip", "--engine", "warp", "--out", "results"),

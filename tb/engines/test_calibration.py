@@ -180,7 +180,7 @@ PROBED = np.array([[0, 0], [0, 1], [1, 0]])
         (np.array([0, np.nan, 0]), None, "finite newtons of 0 or more"),
         (np.array([0, np.inf, 0]), None, "finite newtons of 0 or more"),
         (np.array(["a", "b", "c"]), None, "must be numbers"),
-        (np.zeros((3, 2, 2)), PROBED, "probed goes with one force a frame"),
+        (np.zeros((3, 2, 2)), PROBED, "probed needs one force per frame"),
         (np.zeros(3), PROBED[:2], r"probed must be integers of the shape \[3, 2\]"),
         (np.zeros(3), PROBED + 1.0, "probed must be integers"),
         (np.zeros(3), PROBED + 1, "probed names cells outside 2×2"),

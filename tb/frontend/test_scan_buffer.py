@@ -315,5 +315,5 @@ def test_twin_of_a_whole_frame():
     assert twin.begun(came[:5], True) == beats[:3]
     assert twin.begun(came, True) == beats
     assert ScanBuffer(7, 5, 1, 18, 8).frame([*range(35)], True)[7] == (7, 7, False)  # a ring does not sort
-    with pytest.raises(ValueError, match="3 rows of 2 beats has not 5 words"):
+    with pytest.raises(ValueError, match="3 rows of 2 beats has 6 words, not 5"):
         twin.frame([0] * 5)

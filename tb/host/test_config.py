@@ -76,7 +76,7 @@ def test_the_converter_is_the_files(name):
         ("slip1", "adc", {"part": "MCP"}, "[adc]: part = "),
         ("slip1", "link", {"images": True}, "[link]: images must go with an array"),
         ("slip1", "link", {"baud": 4_000_000}, "[link]: baud = 4000000 must be at most 3000000"),
-        ("cop4", "slip", {"window": 64}, "[slip] must not be there with kind = 'electrodes'"),
+        ("cop4", "slip", {"window": 64}, "[slip] is not allowed with kind = 'electrodes'"),
     ],
 )
 def test_mistakes_are_answered_by_a_sentence(name, table, change, said):
@@ -254,12 +254,12 @@ def test_any_value_of_any_key_is_taken_or_refused_in_a_sentence(name):
 @pytest.mark.parametrize(
     "text, said",
     [
-        ("x = " + "[" * 5000 + "]" * 5000, "its lists are nested too deep"),
+        ("x = " + "[" * 5000 + "]" * 5000, "its lists are nested too deeply"),
         ("about = [[[[[[[[[[1]]]]]]]]]]", "about = [[[...]]] must be text"),
         ("about = [[1, 2], [3]]", "about = "),
         ("about = " + "9" * 5000, "is not a TOML file"),
         ('about = "\\u001b[31m"', "must be one line of text"),
-        ("[converter]\nbits = 16", "[converter] is of a file for `meissner process cop4`"),
+        ("[converter]\nbits = 16", "[converter] belongs in a file for `meissner process cop4`"),
     ],
 )
 def test_files_that_are_no_configuration(tmp_path, text, said):

@@ -251,7 +251,7 @@ def test_settings_in_volts_newtons_and_seconds():
         core.set("slip.hold", volts=1)
     with pytest.raises(ValueError, match="is not set in newtons, but in codes only"):
         core.set("core.scratch", newtons=1)
-    with pytest.raises(ValueError, match="is no number"):
+    with pytest.raises(ValueError, match="must be a finite number"):
         core.set("cop.min_load", newtons=float("nan"))
     core.units = units.Units(rate_hz=1e9)
     with pytest.raises(ValueError, match=r"slip.hold = 50000000000 must lie in"):

@@ -219,7 +219,7 @@ def test_a_held_matrix_drifts():
 
 def test_waves_are_refused(tmp_path):
     with pytest.raises(
-        ValueError, match="--waves is for scenes of slip and of taxel forces, not for fsr_3x3"
+        ValueError, match="--waves works only for scenes of slip or of taxel forces, not for fsr_3x3"
     ):
         run.run(scenes.load("fsr_3x3"), "fixed", tmp_path / "results", waves=True)
     assert not (tmp_path / "results").exists()

@@ -139,7 +139,7 @@ def test_the_verdict_comes_first(converters, needs, says):
         (["--demod", "--adc", "max11123", "--sample-period", "1"], "sample_period = 1 "),
         (["--demod", "--adc", "max11123", "--periods", "0"], "periods = 0"),
         (["--demod", "--adc", "max11123", "--skip", "-1"], "skip = -1"),
-        (["--out", "x.png"], "--out is the picture"),
+        (["--out", "x.png"], "--out writes the picture"),
     ],
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )

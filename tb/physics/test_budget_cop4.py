@@ -197,7 +197,7 @@ def test_the_command_prints_and_draws(tmp_path):
 
 
 BAD = {
-    "--out is the picture of --cop4": (),
+    "--out writes the picture of --cop4": (),
     "rows = 0 must lie in 1 .. 1024": ("--cop4", "--rows", 0),
     "columns = 1025 must lie in": ("--cop4", "--columns", 1025),
     "invalid int value: '2.5'": ("--cop4", "--columns", 2.5),

@@ -365,7 +365,7 @@ PATCH = ("world", "patches", 0)
         ("walk_25x5", (*PATCH, "force_n"), -1.0, "force_n = -1 must be above 0"),
         ("walk_25x5", (*PATCH, "from"), [0, 2], "from = 2 must lie in -1 .. 1"),
         ("walk_25x5", (*PATCH, "from"), [0], "must be a list of 2 numbers"),
-        ("dense_64", (*PATCH[:2], 2, "radius"), 1.5, "leads over the edge"),
+        ("dense_64", (*PATCH[:2], 2, "radius"), 1.5, "beyond the edge"),
         ("plantar_step", ("world", "trial"), 60, "trial = 60 must lie in 0 .. 59"),
         ("plantar_step", ("world", "dataset"), "Feet", "dataset = 'Feet' must be one of: SpeedPP2DS"),
         ("plantar_step", ("converter",), {}, "unknown key 'converter'"),

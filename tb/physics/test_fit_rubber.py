@@ -224,11 +224,11 @@ BAD = {
     "a fall": (of_steps(step_v=-steps().step_v), "step 1: step_v = -0.481 V must be above 0"),
     "one rest": (
         of_steps(rest_v=np.full(15, 2.2)),
-        "every step starts from 2.20 to 2.20 V, so k1 stays unknown",
+        "every step starts from 2.20 to 2.20 V, so k1 cannot be determined",
     ),
     "one speed": (
         of_steps(speed_mm_s=np.full(15, 0.3)),
-        "the speeds lie in 0.3 .. 0.3 mm/s, so n stays unknown",
+        "the speeds lie in 0.3 .. 0.3 mm/s, so n cannot be determined",
     ),
     "four steps": (
         (STEPS, [column[[0, 4, 7, 14]] for column in steps()]),

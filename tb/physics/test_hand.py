@@ -490,11 +490,11 @@ def change(path, value):
         (["slip", "window"], 63, "window = 63 must be a power of two"),
         (["grip", "rule"], "loudest", "rule = 'loudest' must be one of: any, weakest"),
         (["grip", "step_mm"], 7.0, "step = 70000 must lie in 0 .. 65535"),
-        (["grip", "decay_mm_s"], 0.002, "decay_mm_s = 0.002 is no count a cycle; one is 0.01 mm/s"),
+        (["grip", "decay_mm_s"], 0.002, "decay_mm_s = 0.002 rounds to 0 counts per cycle; one is 0.01 mm/s"),
         (
             ["world", "conditions", 2, "count_mm"],
             1e-4,
-            "decay_mm_s = 0.02 is no count a cycle; one is 0.1 mm/s",
+            "decay_mm_s = 0.02 rounds to 0 counts per cycle; one is 0.1 mm/s",
         ),
         (["world", "conditions", 2, "count_mm"], 2e-4, "count_mm = 0.0002 must lie in 1e-06 .. 0.0001"),
         (["slip", "threshold_share"], 1.5, "threshold_share = 1.5 must lie in 0 .. 1"),

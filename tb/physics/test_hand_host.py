@@ -78,7 +78,7 @@ def test_a_scene_without_a_share_and_a_condition_with_a_step_keep_their_own(with
 @pytest.mark.parametrize(
     "key, value, text",
     [
-        ("decay_mm_s", 0.003, "decay_mm_s = 0.003 is no count a cycle; one is 0.01 mm/s"),
+        ("decay_mm_s", 0.003, "decay_mm_s = 0.003 rounds to 0 counts per cycle; one is 0.01 mm/s"),
         ("calm_decay_share", 1.1, "calm_decay_share = 1.1 must lie in 0 .. 1"),
         ("boost", 8, "boost = 8 must lie in 0 .. 7"),
         ("boost", 2.0, "boost"),

@@ -39,26 +39,26 @@ def scene(name, **changed):
         (
             "acrylic_slip",
             [],
-            "features does not name 'slip', but its flag is judged against the truth: add it",
+            "features must name 'slip': its flag is judged against the truth",
         ),
         (
             "cop_slip",
             ["cop4"],
-            r"'cop_slip', but its flag and direction are judged, and \[slip\] sets it: add",
+            r"must name 'cop_slip': its flag and direction are judged, and \[slip\] sets it",
         ),
-        ("cop_slip", ["cop_slip"], "does not name 'cop4'"),
-        ("grip_pour", ["slip"], "does not name 'grip', but the loop is closed by it"),
+        ("cop_slip", ["cop_slip"], "must name 'cop4'"),
+        ("grip_pour", ["slip"], "must name 'grip': the loop is closed by it"),
         (
             "capacitive_cell",
             ["demod", "calibrate", "cop"],
-            "names 'cop', which nothing uses in a scene of kind cell",
+            "names 'cop', which a scene of kind cell does not use",
         ),
         (
             "capacitive_crosstalk",
             ["demod", "calibrate"],
-            "'calibrate', which nothing uses in a scene of kind cross",
+            "'calibrate', which a scene of kind crosstalk does not use",
         ),
-        ("capacitive_shapes", ["demod", "calibrate"], "does not name 'cop'"),
+        ("capacitive_shapes", ["demod", "calibrate"], "must name 'cop'"),
         ("fsr_3x3", ["cop", "calibrate", "cop"], "names 'cop' twice"),
         ("walk_25x5", ["cop", "haptics"], "features = 'haptics' must be one of: cop"),
     ],
@@ -74,12 +74,12 @@ def test_a_stage_that_the_features_do_not_name_is_not_there(monkeypatch):
         "meissner.engines.stages.load", lambda name: loaded.append(name) or engines.load(name)
     )
     core = Stages("fixed", ("cop4",))
-    with pytest.raises(ValueError, match="the core is built without slip: features names cop4"):
+    with pytest.raises(ValueError, match="the core is built without slip: features lists cop4"):
         core.watch(np.zeros((1, 64), dtype=np.int64), None)
     with pytest.raises(AttributeError):
         core.taste  # noqa: B018
     assert loaded == [] and core.cop4 is engines.load("fixed").cop4 and loaded == ["fixed"]
-    with pytest.raises(ValueError, match="without calibrate: features names demod"):
+    with pytest.raises(ValueError, match="without calibrate: features lists demod"):
         Chain("fixed", ("demod",)).calibrate(np.zeros((1, 2, 3), dtype=np.int64), None)
 
 
@@ -116,7 +116,7 @@ def test_what_does_not_fit_the_machine_is_refused_before_it_is_computed(monkeypa
     large = scene("cop_six_random", world__draws=10**6, mesh__rows=1024, mesh__columns=1024)
     assert parts.of(large).memory(large)[0] == 32 * 4 * 10**6 * 2**20  # four totals
     words = (
-        r"mine: 4000000 loads of 1048576 taxels need about 1.34e\+05 GB, and this machine has 16.0 GB free"
+        r"mine: 4000000 loads of 1048576 taxels need about 1.34e\+05 GB, but this machine has 16.0 GB free"
     )
     monkeypatch.setattr(parts, "free_bytes", lambda: 16 * 10**9)
     with pytest.raises(ValueError, match=words):
@@ -126,7 +126,7 @@ def test_what_does_not_fit_the_machine_is_refused_before_it_is_computed(monkeypa
     monkeypatch.setattr(parts, "free_bytes", lambda: need * 5 // 4)  # of which exactly 0.8 is needed
     run.check(small, "fixed")
     monkeypatch.setattr(parts, "free_bytes", lambda: need * 5 // 4 - 2)
-    with pytest.raises(ValueError, match="make them fewer"):
+    with pytest.raises(ValueError, match="reduce them"):
         run.check(small, "fixed")
 
 
@@ -145,7 +145,7 @@ def test_scene_check_says_why(capsys, tmp_path):
     mine = tmp_path / "mine.toml"
     mine.write_text(text.replace('features = ["cop4"]', "features = []"))
     code, out = told(capsys, "scene", "check", mine)
-    assert (code, out.out) == (2, "") and out.err.count("\n") == 1 and "mine: features does not" in out.err
+    assert (code, out.out) == (2, "") and out.err.count("\n") == 1 and "mine: features must name" in out.err
     for wrong, words in (
         ("nothing", "unknown scene"),
         (tmp_path / "no.toml", "no.toml"),

@@ -332,13 +332,13 @@ def test_a_lot_must_stay_below_the_supply(lot, fits):
         shear_run.check(scene, "fixed", False)
     else:
         with pytest.raises(
-            ValueError, match=r"lot = 2.575 lifts Vc of x, 1.7 N, 3.7 mm/s, 0.3 mm to 5.0\d V"
+            ValueError, match=r"lot = 2.575 raises Vc of x, 1.7 N, 3.7 mm/s, 0.3 mm to 5.0\d V"
         ):
             shear_run.check(scene, "fixed", False)
 
 
 def test_there_are_no_waves():
-    with pytest.raises(ValueError, match="--waves is for scenes of slip"):
+    with pytest.raises(ValueError, match="--waves works only for scenes of slip"):
         shear_run.check(scenes.load("stick_slip"), "rtl", True)
 
 

@@ -375,7 +375,7 @@ def test_refuses_illegal_parameters(parameters, message):
         ({"sample_bits": 1}, {}, "sample_bits = 1"),
         ({"timer_bits": 32}, {}, "timer_bits = 32"),
         ({"digit": 3}, {}, "digit = 3"),
-        ({}, {"hop": 32}, "hop = 32 must be the window, 64"),
+        ({}, {"hop": 32}, "hop = 32 must equal the window, 64"),
         ({"sample_bits": 13}, {"threshold": 1 << 14}, "threshold = 16384 must lie in 0 .. 16383"),
         ({"sample_bits": 13}, {"contact_level": -8193}, "contact_level = -8193 must lie in -8192 .. 8191"),
         ({"timer_bits": 10}, {"blank": 1024}, "blank = 1024 must lie in 0 .. 1023"),

@@ -65,7 +65,9 @@ def _stages(arguments):
     build = config.load(arguments.config)
     if not build.stages:
         known = ", ".join(f"[{name}]" for name in STAGES)
-        raise ValueError(f"{build.name} has none of {known}, whose terms are known; grip has one")
+        raise ValueError(
+            f"{build.name} has none of the stages with a budget, {known}; the configuration grip has one"
+        )
     modules = {name: import_module(f"meissner.budget.{name}") for name in build.stages}
     found = {name: module.budget(build) for name, module in modules.items()}
     if arguments.json:
@@ -79,7 +81,7 @@ def _array(arguments):
 
     if arguments.out:
         raise ValueError(
-            "--out is the picture of --cop4; the budget of an array is printed, with --json as JSON"
+            "--out writes the picture of --cop4; the budget of an array is only printed (--json: as JSON)"
         )
     for name in ("rows", "columns"):
         if not 1 <= getattr(arguments, name) <= 1024:

@@ -73,7 +73,9 @@ def _pcf(plan):
     yield f"set_frequency {plan.board.clock['port']} {plan.board.clock['mhz']:g}"
     for port in plan.ports:
         if port.pull == "down":
-            raise ValueError(f"constraints/{plan.board.name}.toml: an iCE40 has no pull-down, {port.port}")
+            raise ValueError(
+                f"constraints/{plan.board.name}.toml: an iCE40 has no pull-down, which {port.port} needs"
+            )
         pull = "-pullup yes " if port.pull == "up" else ""
         for bit, pin in port.bits:
             yield f"set_io {pull}{bit} {pin}"

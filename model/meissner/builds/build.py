@@ -204,14 +204,15 @@ class Config:
         if self.period_clocks < needed:
             most = 1000 * self.clk_khz / needed
             raise ValueError(
-                f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, {most:.0f} Hz"
+                f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, "
+                f"so at most {most:.0f} Hz"
             )
         longest = (1 << (32 if self.kind == "array" else 24)) - 1
         if self.period_clocks > longest:
             least = 1000 * self.clk_khz / longest
             raise ValueError(
                 f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
-                f"{least:.3g} Hz"
+                f"so at least {least:.3g} Hz"
             )
         if self.kind == "array" and self.array["health"] and self.sensor["columns"] % self.adc["converters"]:
             raise ValueError(

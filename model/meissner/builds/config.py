@@ -109,7 +109,7 @@ def load(name, mhz=None, part=None, registers=None):
     try:
         tables = tomllib.loads(path.read_text("utf-8"))
     except RecursionError:
-        raise ValueError(f"{path} is no configuration: its lists are nested too deep") from None
+        raise ValueError(f"{path} is not a configuration: its lists are nested too deeply") from None
     except ValueError as problem:
         raise ValueError(f"{path} is not a TOML file: {problem}") from None
     for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
@@ -138,7 +138,7 @@ def read(name, tables):
     try:
         return _read(name, tables)
     except (OverflowError, ZeroDivisionError):
-        raise ValueError("its numbers are too far apart for what follows from them") from None
+        raise ValueError("its numbers lead to an overflow or a division by zero") from None
 
 
 def _read(name, tables):
@@ -146,8 +146,8 @@ def _read(name, tables):
     known = {"about": str, "clock": dict, "sensor": dict, "adc": dict}
     if "converter" in tables and "adc" not in tables:
         raise ValueError(
-            "[converter] is of a file for `meissner process cop4` (docs/cop4.md); a build has [clock], "
-            "[sensor] and [adc] in its place"
+            "[converter] belongs in a file for `meissner process cop4` (docs/cop4.md); a build has [clock], "
+            "[sensor] and [adc] instead"
         )
     for key in tables:
         if key not in known and key not in optional:
@@ -177,7 +177,7 @@ def _read(name, tables):
     }[kind]
     for key in tables:
         if key in optional and key not in allowed:
-            raise ValueError(f"[{key}] must not be there with kind = '{kind}'")
+            raise ValueError(f"[{key}] is not allowed with kind = '{kind}'")
     if kind == "array":
         limits = {"rows": (1, 256), "columns": (1, 256)}
         between("[sensor]", sensor, limits)
@@ -196,7 +196,7 @@ def _read(name, tables):
         serial, slip = _slip("[slip]", tables["slip"], base)
         base = replace(base, serial=serial, slip=slip)
     elif kind == "channels":
-        raise ValueError("[slip] is missing: single channels have nothing else to do")
+        raise ValueError("[slip] is missing: single channels need it")
     stages = {}
     for name in (name for name in STAGES if name in tables):
         given = _with(f"[{name}]", tables[name], {}, STAGES[name].DEFAULTS)
@@ -208,7 +208,7 @@ def _tables(tables, array):
     """[health] and [tare], each empty if the array has none."""
     for key in ("health", "tare"):
         if key in tables and not array[key]:
-            raise ValueError(f"[{key}] must not be there while [array] says {key} = false")
+            raise ValueError(f"[{key}] is not allowed with {key} = false in [array]")
     health = _with("[health]", tables.get("health", {}), {}, HEALTH) if array["health"] else {}
     tare = _with("[tare]", tables.get("tare", {}), {}, TARE) if array["tare"] else {}
     return health, tare
@@ -239,7 +239,7 @@ def _electrodes(tables, adc, base):
         if key not in tables:
             raise ValueError(f"[{key}] is missing")
     if not base.part.signed:
-        raise ValueError(f"[adc]: part = '{adc['part']}' must be one symmetric about 0 V: the AD7606")
+        raise ValueError(f"[adc]: part = '{adc['part']}' must be symmetric about 0 V: use the AD7606")
     load = dict(tables["load"])
     gain = load.pop("gain", 1.0)
     mesh = four_wires.mesh_table("[mesh]", tables["mesh"])

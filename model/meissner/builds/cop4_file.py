@@ -23,7 +23,7 @@ def load(path):
     try:
         table = tomllib.loads(path.read_text("utf-8"))
     except RecursionError:
-        raise ValueError(f"{path} is no configuration: its lists are nested too deep") from None
+        raise ValueError(f"{path} is not a configuration: its lists are nested too deeply") from None
     except ValueError as problem:
         raise ValueError(f"{path} is not a TOML file: {problem}") from None
     if not four_wires.TABLES.keys() & table.keys() - {"mesh", "load"} and BUILD & table.keys():

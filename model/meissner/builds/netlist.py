@@ -79,6 +79,6 @@ def verilog(top, parameters, cells, kept=(), include=None):
         )
         text = (toolchain.ROOT / fresh).read_text("utf-8")
         if re.search(r"\.INIT(VAL|_RAM)_..\(\d+'h[0-9a-f]*[1-9a-f]", text):
-            raise yowasp.ToolError(f"{top}: the models of the block RAMs know no contents at power-up")
+            raise yowasp.ToolError(f"{top}: the block RAM models do not support initial contents")
         (toolchain.ROOT / fresh).rename(made)
     return [made, *MODELS[cells]]

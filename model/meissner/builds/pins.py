@@ -51,11 +51,13 @@ def description(name):
     given = [*own, *headers.values()]
     if len(set(given)) < len(given):
         twice = next(pin for pin in given if given.count(pin) > 1)
-        raise ValueError(f"constraints/{name}.toml: the pin {twice} is there twice")
+        raise ValueError(f"constraints/{name}.toml: the pin {twice} is listed twice")
     for role, labels in found["prefer"].items():
         for label in labels:
             if label not in headers:
-                raise ValueError(f"constraints/{name}.toml: {role} prefers '{label}', which no header has")
+                raise ValueError(
+                    f"constraints/{name}.toml: {role} prefers '{label}', which is not on any header"
+                )
     for role, pull in found["pulls"].items():
         if pull not in PULLS:
             raise ValueError(f"constraints/{name}.toml: the pull of {role} must be up, down or none")
@@ -248,7 +250,7 @@ def assign(board, config, parameters):
     mhz = parameters["ClkKhz"] / 1000
     if mhz not in board.clock["core_mhz"]:
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
-        raise ValueError(f"the {board.name} makes a clock of {made} MHz and {config} asks for {mhz:g}")
+        raise ValueError(f"the {board.name} can clock the core at {made} MHz but {config} needs {mhz:g} MHz")
     own = _onboard(board, parameters)
     ports, wanted, got, used = _fixed(board, own), needs(board, parameters), {}, set()
     for need in list(wanted):
@@ -269,8 +271,8 @@ def assign(board, config, parameters):
     if missing:
         total = ", ".join(f"{need.count} {need.port}" for need in wanted)
         raise ValueError(
-            f"{config} needs {sum(need.count for need in wanted)} pins of the {board.name}'s headers "
-            f"({total}) and there are {len(board.headers)}; without a pin: {', '.join(missing)}"
+            f"{config} needs {sum(need.count for need in wanted)} header pins ({total}) but the {board.name} "
+            f"has only {len(board.headers)}; lines without a pin: {', '.join(missing)}"
         )
     got |= {need: [at] for need in SHOWN for at in board.prefer.get(need.role, ()) if at in left}
     for need, labels in got.items():

@@ -81,11 +81,12 @@ class Units:
             takes = [other for register, other in CODES if register == name]
             raise ValueError(f"{name} is not set in {quantity}, but in {' or '.join(takes) or 'codes only'}")
         if not np.isfinite(value):
-            raise ValueError(f"{name} = {value} {quantity} is no number")
+            raise ValueError(f"{name} = {value} {quantity} must be a finite number")
         found = getattr(self, CODES[name, quantity])(value)
         if name in ("adc.period", "scan.period") and not found:
             raise ValueError(
-                f"{name} = {value:g} {quantity} is less than a clock, and 0 there is another mode"
+                f"{name} = {value:g} {quantity} is less than one clock, and a register value of 0 selects "
+                "another mode"
             )
         return found
 

@@ -66,7 +66,7 @@ class Core:
     @staticmethod
     def _done(found):
         if found < 0:
-            raise RuntimeError("the core did not answer in its time")
+            raise RuntimeError("the core did not answer in time")
         return found
 
     def __setitem__(self, name, value):

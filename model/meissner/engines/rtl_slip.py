@@ -101,7 +101,7 @@ class Core:
         )
         verilated.check_room(count)
         if count < 0:
-            raise RuntimeError("more decisions came out of the core than samples went in")
+            raise RuntimeError("the core gave more decisions than it got samples")
         return p2p[:count], flags[:count], facts
 
     @property

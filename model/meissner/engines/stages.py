@@ -15,7 +15,7 @@ def need(features, name):
     """Raise ValueError unless ``name`` is among the core's ``features``."""
     if name not in features:
         raise ValueError(
-            f"the core is built without {name}: features names {', '.join(features) or 'nothing'}"
+            f"the core is built without {name}: features lists {', '.join(features) or 'nothing'}"
         )
 
 

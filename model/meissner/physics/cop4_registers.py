@@ -75,4 +75,4 @@ def correct_registers(fix, registers):
                 break
             return replace(registers, kf=scaled, shift_load=shift), CorrectionRegisters(p, LOAD_SHIFT + shift)
         shift -= 1
-    raise ValueError("the correction is too large beside this load's LSB: choose a larger load_lsb")
+    raise ValueError("the correction is too large for this load_lsb: choose a larger load_lsb")

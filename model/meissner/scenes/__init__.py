@@ -53,7 +53,7 @@ def read(name):
     try:
         return build(path.stem, tomllib.loads(path.read_text("utf-8")))
     except RecursionError:
-        raise ValueError(f"{path} is no scene: its lists are nested too deep") from None
+        raise ValueError(f"{path} is not a scene: its lists are nested too deeply") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise ValueError(f"{path} is not a TOML file: {problem}") from None
 

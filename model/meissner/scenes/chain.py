@@ -13,7 +13,7 @@ def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
     engines.load(engine)
     if waves:
-        raise ValueError(f"--waves is for scenes of slip and of taxel forces, not for {scene.name}")
+        raise ValueError(f"--waves works only for scenes of slip or of taxel forces, not for {scene.name}")
 
 
 ALL = tuple(STAGES.values())

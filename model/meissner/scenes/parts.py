@@ -73,12 +73,10 @@ def check_features(scene):
             raise ValueError(f"{where}: features names '{name}' twice: once is enough")
         if name not in used:
             kind = f" of kind {scene.kind}" if hasattr(scene, "kind") else ""
-            raise ValueError(
-                f"{where}: features names '{name}', which nothing uses in a scene{kind}: leave it out"
-            )
+            raise ValueError(f"{where}: features names '{name}', which a scene{kind} does not use: remove it")
     for name, why in used.items():
         if name not in scene.features:
-            raise ValueError(f"{where}: features does not name '{name}', but {why}: add it")
+            raise ValueError(f"{where}: features must name '{name}': {why}")
 
 
 def free_bytes():
@@ -98,8 +96,8 @@ def check_memory(scene):
     free = free_bytes()
     if free is not None and needs > ROOM * free:
         raise ValueError(
-            f"scene {scene.name}: {what} need about {needs / 1e9:.3g} GB, and this machine has "
-            f"{free / 1e9:.1f} GB free: make them fewer, or run it on a larger machine"
+            f"scene {scene.name}: {what} need about {needs / 1e9:.3g} GB, but this machine has "
+            f"{free / 1e9:.1f} GB free: reduce them, or use a larger machine"
         )
 
 

@@ -18,7 +18,7 @@ def check_waves(engine, waves):
     """ValueError unless the engine exists, and has signals if ``waves`` is set."""
     engines.load(engine)
     if waves and engine != "rtl":
-        raise ValueError("--waves needs the rtl engine: only it has signals")
+        raise ValueError("--waves requires --engine rtl: no other engine has signals")
 
 
 def head(scene, engine, seed, seconds, samples, engine_s, differences, of):

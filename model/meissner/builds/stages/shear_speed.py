@@ -19,8 +19,8 @@ def check(base):
     if base.period_clocks < NEEDED_CLOCKS:
         most = 1000 * base.clk_khz / NEEDED_CLOCKS
         raise ValueError(
-            f"[adc]: rate_hz = {base.rate_hz:g} is too fast for [shear_speed]: a window's work takes "
-            f"{NEEDED_CLOCKS} clocks, {most:.0f} Hz"
+            f"[adc]: rate_hz = {base.rate_hz:g} is too fast for [shear_speed]: computing a window takes "
+            f"{NEEDED_CLOCKS} clocks, so at most {most:.0f} Hz"
         )
 
 

@@ -108,7 +108,7 @@ def patch(where, row):
     if path == "circle":
         positive(where, row, ["radius", "turns"])
         if max(map(abs, row["centre"])) + row["radius"] > 1:
-            raise ValueError(f"{where}: radius = {row['radius']:g} leads over the edge at 1")
+            raise ValueError(f"{where}: radius = {row['radius']:g} extends beyond the edge at 1")
     return row
 
 

@@ -33,7 +33,7 @@ def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
     check_waves(engine, waves)
     if waves:
-        raise ValueError(f"--waves is not for {scene.name}: no engine of it has signals")
+        raise ValueError(f"--waves is not available for {scene.name}: its engines record no signals")
 
 
 def statistics(condition, found):

@@ -131,7 +131,7 @@ class Scene(base.Sampled):
         mm_s = self.grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
         least = condition.count_mm / (condition.cycle_ms / 1e3)
         if mm_s > 0 and not round(mm_s / least):
-            raise ValueError(f"decay_mm_s = {mm_s:g} is no count a cycle; one is {least:g} mm/s")
+            raise ValueError(f"decay_mm_s = {mm_s:g} rounds to 0 counts per cycle; one is {least:g} mm/s")
         return round(mm_s / least)
 
     def grip_config(self, condition) -> GripConfig:

@@ -142,7 +142,7 @@ def check_supply(scene):
         full_v = case.rest_v + case.lot * float(rubber.shear_step(case.rest_v, case.speed_mm_s))
         if full_v >= rubber.SUPPLY_V:
             raise ValueError(
-                f"scene {scene.name}: lot = {case.lot:g} lifts Vc of {case.name} to {full_v:.2f} V, "
+                f"scene {scene.name}: lot = {case.lot:g} raises Vc of {case.name} to {full_v:.2f} V, "
                 "the supply or more"
             )
 

@@ -138,6 +138,9 @@ def cop4(samples, registers, sample_bits=17, correction=None):
     den = d << LOAD_SHIFT + registers.shift_load
     if correction is not None:
         if correction.shift != LOAD_SHIFT + registers.shift_load:
-            raise ValueError(f"the correction's shift, {correction.shift}, must be the load's")
+            raise ValueError(
+                f"the correction's shift, {correction.shift}, must equal the load's, "
+                f"{LOAD_SHIFT + registers.shift_load}"
+            )
         den = cop4_correct(x, y, n, d, correction)
     return results(samples, registers, x, y, ratio(registers.kf, n, den, LOAD_BITS))

@@ -35,7 +35,10 @@ class ScanBuffer:
     def frame(self, data, interleave=False):
         """Beats (data, id, last) sent for ``data``, the words of a frame in their order of arrival."""
         if len(data) != self.rows * self.beats:
-            raise ValueError(f"a frame of {self.rows} rows of {self.beats} beats has not {len(data)} words")
+            raise ValueError(
+                f"a frame of {self.rows} rows of {self.beats} beats has {self.rows * self.beats} words, "
+                f"not {len(data)}"
+            )
         rows = list(range(self.rows))
         order = [*rows[::2], *rows[1::2]] if interleave and self.sorts else rows
         words = [data[order.index(row) * self.beats + beat] for row in rows for beat in range(self.beats)]

@@ -25,7 +25,10 @@ class SlipSerial:
         if digit not in (1, 2):
             raise ValueError(f"digit = {digit} must be 1 or 2")
         if config.hop != config.window:
-            raise ValueError(f"hop = {config.hop} must be the window, {config.window}: its windows tumble")
+            raise ValueError(
+                f"hop = {config.hop} must equal the window, {config.window}: "
+                "only tumbling windows are supported"
+            )
         detail_bits = sample_bits + config.level
         limits = dict.fromkeys(("threshold", "gross_threshold"), (0, 1 << detail_bits))
         limits |= dict.fromkeys(("hold", "refractory", "blank"), (0, 1 << timer_bits))

@@ -105,7 +105,7 @@ def rtl(x, config, moving=None):
     )
     verilated.check_room(count)
     if count != frames // WINDOW:
-        raise RuntimeError(f"the core told of {count} windows in place of {frames // WINDOW}")
+        raise RuntimeError(f"the core reported {count} windows instead of {frames // WINDOW}")
     words = words[:count].T
     return (words & 0xFFFFFF) / ONE, (words >> 24).astype(np.int64)
 
