@@ -20,7 +20,7 @@ import tomllib
 
 import coverage_points as points
 from coverage_points import FOLDER, KINDS, ROOT
-from verify import benches, evidence, record
+from verify import benches, evidence, record, sums
 
 COUNTS = FOLDER / "counts"
 TRACES = FOLDER / "python"
@@ -67,8 +67,7 @@ def percent(hit, reachable):
 
 def points_of(rows):
     """``rows`` in a few words: the share of reachable points that were hit, and how many were excluded."""
-    counts = [row[kind] for row in rows for kind in KINDS if kind in row]
-    hit, reachable, excluded = (sum(column) for column in zip(*counts))
+    hit, reachable, excluded = sums.points(rows)
     share = "100" if hit == reachable else f"{100 * hit / reachable:.2f}"
     left_out = f" ({100 * excluded / (reachable + excluded):.0f} % of all, {excluded:,}, excluded)"
     return f"{share} % of {reachable:,} points" + (left_out if excluded else "")

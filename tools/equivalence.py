@@ -23,7 +23,7 @@ from itertools import product
 from threading import Lock
 
 from meissner.builds.yowasp import ToolError, warm_up
-from verify import benches, circuit, evidence, netlist_proof, record, reset_proof
+from verify import benches, circuit, evidence, netlist_proof, record, reset_proof, sums
 from verify.reset_proof import Task
 
 OUT = "build/equivalence"  # relative to ROOT: YoWASP sees only files below its working directory
@@ -184,15 +184,12 @@ def summary(entry):
 
 
 def total(entries):
-    ecp5, ice40, reset = (sum(e.get(kind, {}).get("proven", False) for e in entries) for kind in KINDS)
-    of = len(benches.blocks())
-    slang = sum(
-        e.get("ecp5", {}).get("slang", False) and e.get("ice40", {}).get("slang", False) for e in entries
-    )
+    of = sums.netlists(entries)
+    blocks = len(benches.blocks())
     said = (
-        f"netlist = RTL proven for {ecp5} (ECP5) and {ice40} (iCE40) of {of} blocks, {slang} of them as slang"
+        f"netlist = RTL proven for {of.ecp5} (ECP5) and {of.ice40} (iCE40) of {blocks} blocks, {of.slang} of"
     )
-    return f"{said} reads the RTL, reset for {reset}"
+    return f"{said} them as slang reads the RTL, reset for {of.reset}"
 
 
 def main():

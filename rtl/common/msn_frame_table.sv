@@ -77,11 +77,11 @@ module msn_frame_table #(
     if (restart_i) {out_valid_o, read_valid} <= '0;
   end
 
-  // A slice has the width of one ECP5 block RAM at this depth: a memory of several blocks in depth would have a
-  // multiplexer between the slow output and its register (102 instead of 131 MHz at 8192 words).
+  // A slice has the width of one ECP5 block RAM at this depth, 36 bits up to 512 words: a memory of several blocks in
+  // depth would have a multiplexer between the slow output and its register (102 instead of 131 MHz at 8192 words).
   localparam int unsigned Depth     = Words * Banks;
-  localparam int unsigned SliceBits = (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
-                                      (Depth <= 4096) ? 4 : (Depth <= 8192) ? 2 : 1;
+  localparam int unsigned SliceBits = (Depth <= 512)  ? 36 : (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
+                                      (Depth <= 4096) ? 4  : (Depth <= 8192) ? 2  : 1;
 
   for (genvar p = 0; p < Parts; p++) begin : gen_part
     for (genvar low = 0; low < PartBits; low += SliceBits) begin : gen_slice

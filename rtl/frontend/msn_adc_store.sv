@@ -51,12 +51,17 @@ module msn_adc_store #(
   logic [Channels-1:0]               full_q;
   logic [Channels-1:0][DataBits-1:0] code_q;
   logic [Channels-1:0]               taken, written, filled;
-  logic                              complete;
+  logic                              complete, leaves;
+  assign leaves   = out_valid_o && out_ready_i;
   assign complete = in_valid_i && in_word_i == IdBits'(Channels - 1) && !in_bad_i;
 
+  // Kept as a net: without it ABC shares logic between the channels, which puts another LUT between out_ready_i,
+  // which waits for all converters of a scan, and full_q.
+  (* keep *) logic [Channels-1:0] offered;
   for (genvar c = 0; c < Channels; c++) begin : gen_channel
     localparam int unsigned Lane = (Lanes > 1) ? c / LaneChannels : 0;
-    assign taken[c]   = out_valid_o && out_ready_i && out_id_o == IdBits'(c);
+    assign offered[c] = out_id_o == IdBits'(c);
+    assign taken[c]   = leaves && offered[c];
     assign written[c] = in_valid_i && in_word_i == IdBits'(c - Lane * LaneChannels);
     assign filled[c]  = Whole ? complete : written[c];
     always_ff @(posedge clk_i) if (written[c]) code_q[c] <= in_data_i[Lane*DataBits +: DataBits];
@@ -80,8 +85,8 @@ module msn_adc_store #(
 
   always_ff @(posedge clk_i) begin
     full_q <= (full_q & ~taken) | filled;
-    out_valid_o <= (out_valid_o && out_ready_i) ? next_there : same_there;
-    if (out_valid_o && out_ready_i) out_id_o <= id_next;
+    out_valid_o <= leaves ? next_there : same_there;
+    if (leaves) out_id_o <= id_next;
     if (begin_i && !out_valid_o) begin
       full_q   <= '0;
       out_id_o <= '0;

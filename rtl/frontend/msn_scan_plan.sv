@@ -151,23 +151,27 @@ module msn_scan_plan #(
     end
   end
 
-  // A frame starts at its tick, or as soon as it can.
+  // A frame starts at its tick, or as soon as it can. Where the state or the enable already rule a tick out, zero_q
+  // stands for it; the counters count a clock later: shorter paths to switch_o and to the carry chains.
   logic [PeriodBits-1:0] left_q;
   logic                  zero_q;  // left_q is 0: compared a clock ahead
-  logic                  tick, want_q, due;
+  logic                  tick, want_q, due, late_q, waits_q;
   assign tick     = state_q != Off && cfg_enable_i && timed_q && zero_q;
-  assign due      = state_q == Free && (active_q || (cfg_enable_i && (!timed_q || want_q || tick)));
+  assign due      = state_q == Free && (active_q || (cfg_enable_i && (!timed_q || want_q || zero_q)));
   assign switch_o = due && room_i;
   always_ff @(posedge clk_i) begin
     if (state_q == Off || !cfg_enable_i) left_q <= '0;
-    else                                 left_q <= (tick ? period_q : left_q) - 1'b1;
-    zero_q <= state_q == Off || !cfg_enable_i || (tick ? period_one_q : left_q == PeriodBits'(1));
+    else                                 left_q <= (zero_q ? period_q : left_q) - 1'b1;
+    zero_q <= state_q == Off || !cfg_enable_i || (zero_q ? period_one_q : left_q == PeriodBits'(1));
     if (tick && !active_q) want_q <= 1'b1;
     if (switch_o) want_q <= 1'b0;
-    overrun_o <= overrun_o + 32'(tick && (active_q || want_q));
-    held_o    <= held_o + 32'(due && !room_i);
+    late_q    <= tick && (active_q || want_q);
+    waits_q   <= due && !room_i;
+    overrun_o <= overrun_o + 32'(late_q);
+    held_o    <= held_o + 32'(waits_q);
     if (rst_i || state_q == Off) want_q <= 1'b0;
     if (rst_i) begin
+      {late_q, waits_q} <= '0;
       overrun_o <= '0;
       held_o    <= '0;
     end

@@ -80,8 +80,8 @@ module formal_frame_table #(
     end
   end
   localparam int unsigned Depth     = Words * Banks;
-  localparam int unsigned SliceBits = (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
-                                      (Depth <= 4096) ? 4 : (Depth <= 8192) ? 2 : 1;
+  localparam int unsigned SliceBits = (Depth <= 512)  ? 36 : (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
+                                      (Depth <= 4096) ? 4  : (Depth <= 8192) ? 2  : 1;
   for (genvar p = 0; p < Parts; p++) begin : gen_part
     for (genvar low = 0; low < PartBits; low += SliceBits) begin : gen_slice
       localparam int unsigned Bits = (PartBits - low < SliceBits) ? PartBits - low : SliceBits;

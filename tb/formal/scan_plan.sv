@@ -51,7 +51,7 @@ module formal_scan_plan #(
   // When: minimum of clocks to the next switch, and clocks to the frame's next tick.
   logic [Wide-1:0]       rest;
   logic [PeriodBits-1:0] ticks_left;
-  logic                  free, due, wanted, tick, take;
+  logic                  free, due, wanted, tick, take, late, waiting;
   // Where: the next place and the one before it; `lag`: a frame counts as under way for two more clocks.
   logic                  more, active, odd, odd_was, interleave, order;
   logic [1:0]            lag;
@@ -86,8 +86,10 @@ module formal_scan_plan #(
     if (tick && !active) wanted <= 1'b1;
     if (take) wanted <= 1'b0;
     if (off) wanted <= 1'b0;
-    overrun <= overrun + 32'(tick && (active || wanted));
-    held    <= held + 32'(due && !room_i);
+    late    <= tick && (active || wanted);
+    waiting <= due && !room_i;
+    overrun <= overrun + 32'(late);
+    held    <= held + 32'(waiting);
 
     lag <= take ? 2'd2 : (lag == '0) ? '0 : lag - 1'b1;
     if (take) begin
@@ -122,6 +124,8 @@ module formal_scan_plan #(
       row     <= '0;
       group   <= '0;
       lag     <= '0;
+      late    <= 1'b0;
+      waiting <= 1'b0;
       overrun <= '0;
       held    <= '0;
     end
@@ -204,7 +208,7 @@ module formal_scan_plan #(
       end
       if (!off || waits == '0) assert (Wide'(dut.rest_q) == gap - Wide'(2) && dut.rest_none_q == (gap == Wide'(2)));
       if (!blank) assert (dut.left_q == ticks_left && dut.zero_q == (ticks_left == '0));
-      assert (dut.want_q == wanted);
+      assert (dut.want_q == wanted && dut.late_q == late && dut.waits_q == waiting);
 
       // The place.
       assert (dut.active_q == active && dut.find_q == (lag == 2'd2) && dut.found_q == (lag == 2'd1) && lag <= 2'd2);

@@ -156,11 +156,11 @@ def test_scene_check_says_why(capsys, tmp_path):
         assert code == 2 and words in out.err and out.err.count("\n") == 1
 
 
-def test_everything_on_changes_nothing_and_is_compared(tmp_path, monkeypatch, capsys):
+@pytest.mark.usefixtures("no_pictures")
+def test_everything_on_changes_nothing_and_is_compared(tmp_path, monkeypatch):
     """The same summary and result.npz, except for times; two other scenes stand for all."""
     monkeypatch.setattr(full, "EVERYTHING", (("cop_circle", None), ("walk_25x5", None)))
     monkeypatch.setattr(full, "CORE_FRAMES", {"fixed": 1, "rtl": 1})
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda _, path, **__: path.write_bytes(b""))
     one = scenes.load("cop_two_point")
     plain = run.run(one, "fixed", tmp_path / "plain")
     compared = run.full(one, "fixed")

@@ -3,6 +3,8 @@ netlist's cells, and under "source" those of its source text; either may be miss
 
 from collections import Counter
 
+from verify import sums
+
 
 def parts(found):
     """The results for the cells and for the source, as far as they exist."""
@@ -29,13 +31,11 @@ def total(blocks):
     told = []
     for name, some in kinds:
         if some:
-            killed, equal, made, there = (
-                sum(b.get(k, 0) for b in some) for k in ("killed", "equivalent", "mutants", "there")
-            )
-            of = f" of {there:,}" if all("there" in b for b in some) else ""
+            of = sums.mutants(some)
+            there = "" if of.there is None else f" of {of.there:,}"
             told.append(
-                f"{made:,}{of} {name} drawn in {len(some)} blocks: {equal} shown equivalent, {killed:,} of "
-                f"the other {made - equal:,} killed by the blocks' own tests"
+                f"{of.drawn:,}{there} {name} drawn in {len(some)} blocks: {of.equivalent} shown equivalent, "
+                f"{of.killed:,} of the other {of.drawn - of.equivalent:,} killed by the blocks' own tests"
             )
     return "; ".join(told)
 
@@ -50,14 +50,14 @@ def table(told):
     every = [Counter(), Counter()]
     for name, found in told["blocks"].items():
         cells = []
-        for sums, part in zip(every, (found, found.get("source", {}))):
+        for count, part in zip(every, (found, found.get("source", {}))):
             row = {k: part[k] for k in ("mutants", "killed", "equivalent", "seconds", "there") if k in part}
             if "mutants" in part:
                 row["survived"] = len(part["survived"])
-            sums.update(row)
+            count.update(row)
             cells += _cells(row)
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    lines.append("| **all** | " + " | ".join([cell for sums in every for cell in _cells(sums)]) + " |")
+    lines.append("| **all** | " + " | ".join([cell for count in every for cell in _cells(count)]) + " |")
     lines += ["", "Survivors. *different*: the solver found inputs that distinguish it from the block.", ""]
     for name, found in told["blocks"].items():
         for one in [one for part in parts(found) for one in part["survived"]]:

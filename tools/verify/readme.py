@@ -1,8 +1,7 @@
 """README's paragraph about the evidence: results, then their limits, then what is stale."""
 
 import formal
-from coverage_points import KINDS as POINTS
-from verify import benches
+from verify import benches, sums
 
 KINDS = {"formal": "proofs", "mutants": "mutants", "coverage": "coverage", "equivalence": "netlists"}
 BOXES = "memories as registers and products and inner blocks as black boxes"
@@ -14,22 +13,21 @@ def paragraph(current, stale):
     unbounded = sum(row["kind"].startswith("k") for row in rows)
     cells = [facts for facts in current["mutants"] if "mutants" in facts]
     source = [facts["source"] for facts in current["mutants"] if "source" in facts]
-    counts = [facts[kind] for facts in current["coverage"] for kind in POINTS if kind in facts]
-    hit, reachable, excluded = (sum(count[at] for count in counts) for at in range(3))
-    netlists = current["equivalence"]
-    proven = {kind: sum(_proven(facts, kind) for facts in netlists) for kind in ("ecp5", "ice40", "reset")}
-    slang = sum(all(facts.get(kind, {}).get("slang") for kind in ("ecp5", "ice40")) for facts in netlists)
+    points, netlists = sums.points(current["coverage"]), sums.netlists(current["equivalence"])
     gone = ", ".join(f"{kind} {stale[key]}" for key, kind in KINDS.items())
+    reached = f"{_percent(points.hit, points.reachable)} of {points.reachable:,}"
+    left_out = (
+        f"{points.excluded:,} points ({_percent(points.excluded, points.reachable + points.excluded, 0)}"
+    )
     return (
         f"{unbounded} unbounded proofs hold, in two solvers each; the netlist is proven equal to the RTL for "
-        f"{proven['ecp5']} (ECP5) and {proven['ice40']} (iCE40) of {len(benches.blocks())} blocks, for "
-        f"{slang} of them as slang reads the RTL, and the reset is proven for {proven['reset']}. The blocks' "
-        f"own tests killed {_killed(cells)} mutants of cells and {_killed(source)} of source, and reached "
-        f"{_percent(hit, reachable)} of {reachable:,} coverage points. Limits: the mutants are samples "
-        f"({_drawn(cells)}; {_drawn(source)}), coverage is of {len(current['coverage'])} blocks and excludes "
-        f"{excluded:,} points ({_percent(excluded, reachable + excluded, 0)} of all), and the netlist proofs "
-        f"treat {BOXES}. Stale blocks are not counted ({gone}); [docs/trust.md](docs/trust.md) shows every "
-        "kind of evidence and what each does not show."
+        f"{netlists.ecp5} (ECP5) and {netlists.ice40} (iCE40) of {len(benches.blocks())} blocks, for "
+        f"{netlists.slang} of them as slang reads the RTL, and the reset is proven for {netlists.reset}. "
+        f"The blocks' own tests killed {_killed(cells)} mutants of cells and {_killed(source)} of source, and "
+        f"reached {reached} coverage points. Limits: the mutants are samples ({_drawn(cells)}; "
+        f"{_drawn(source)}), coverage is of {len(current['coverage'])} blocks and excludes {left_out} of all), "
+        f"and the netlist proofs treat {BOXES}. Stale blocks are not counted ({gone}); "
+        "[docs/trust.md](docs/trust.md) shows every kind of evidence and what each does not show."
     )
 
 
@@ -39,16 +37,12 @@ def _percent(some, every, digits=2):
     return f"{100 * some / max(1, every):.{digits}f} %"
 
 
-def _proven(facts, kind):
-    return bool(facts.get(kind, {}).get("proven"))
-
-
 def _killed(parts):
-    killed, made, equal = (sum(part[key] for part in parts) for key in ("killed", "mutants", "equivalent"))
-    return f"{killed:,} of {made - equal:,}"
+    of = sums.mutants(parts)
+    return f"{of.killed:,} of {of.drawn - of.equivalent:,}"
 
 
 def _drawn(parts):
-    made, equal = (sum(part[key] for part in parts) for key in ("mutants", "equivalent"))
-    there = f" of {sum(part['there'] for part in parts):,}" if all("there" in part for part in parts) else ""
-    return f"{made:,}{there} in {len(parts)} blocks, {equal} of them equivalent"
+    of = sums.mutants(parts)
+    there = "" if of.there is None else f" of {of.there:,}"
+    return f"{of.drawn:,}{there} in {len(parts)} blocks, {of.equivalent} of them equivalent"

@@ -26,8 +26,7 @@ class Board:
 
     ``cells``: family of the netlist's cells; ``constraints``: suffix of the file of pins;
     ``configs``: the named configurations that it is offered with,
-    each with the settings that the board, not the file, determines (see meissner.builds.config.load);
-    ``more``: other parameters.
+    each with the settings that the board, not the file, determines (see meissner.builds.config.load).
     ``left_out``: every other named configuration, with the reason as part of a sentence.
     ``devices``: the devices that the board is sold with, smallest first: {name: option of place and route};
     empty if there is only one. A configuration's ``device``: the smallest that it fits and meets timing on.
@@ -60,7 +59,7 @@ class Board:
 
     def parameters(self, name):
         """Parameters of rtl/msn_core.sv for this board with that configuration."""
-        return self.config(name).parameters | self.changes(name).get("more", {})
+        return self.config(name).parameters
 
     def changes(self, name):
         """Settings of that configuration that the board determines, not the file; none for a user's file."""
@@ -134,6 +133,9 @@ def write_board(folder, board, name):
 # Four-input LUTs only: the number of wider ones depends on the order of the gates for ABC (docs/boards.md).
 ECP5 = "synth_ecp5 -nowidelut"
 
+# With nextpnr's default weight of 10 the placer leaves single cells of long paths far apart (docs/boards.md).
+ECP5_PLACE = "nextpnr-ecp5 --placer-heap-timingweight 30"
+
 # The better of the two converters that a ULX3S can have; the other gives zeros in the low bits.
 ON_BOARD = "MAX11125"
 
@@ -171,7 +173,8 @@ BOARDS = {
             title="ULX3S (ECP5 12F to 85F)",
             cells="ecp5",
             synth=ECP5,
-            pnr="nextpnr-ecp5 {device} --package CABGA381 --speed 6 --lpf {stem}.lpf --textcfg {stem}.config",
+            pnr=ECP5_PLACE
+            + " {device} --package CABGA381 --speed 6 --lpf {stem}.lpf --textcfg {stem}.config",
             constraints=".lpf",
             pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
@@ -184,8 +187,7 @@ BOARDS = {
                 "fingertip": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
                 "cop4": {"mhz": 50.0, "device": "25F"},
                 "grip": {"mhz": 50.0, "device": "25F"},
-                # A queue of 64 events would need three block RAMs more than a 25F has.
-                "array64": {"mhz": 100.0, "device": "25F", "more": {"SlipDepth": 16}},
+                "array64": {"mhz": 100.0, "device": "25F"},
                 "full": {"mhz": 100.0, "device": "45F"},
             },
         ),
@@ -194,7 +196,7 @@ BOARDS = {
             title="OrangeCrab r0.2 (ECP5 25F)",
             cells="ecp5",
             synth=ECP5,
-            pnr="nextpnr-ecp5 --25k --package CSFBGA285 --speed 8 --lpf {stem}.lpf --textcfg {stem}.config",
+            pnr=ECP5_PLACE + " --25k --package CSFBGA285 --speed 8 --lpf {stem}.lpf --textcfg {stem}.config",
             constraints=".lpf",
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
