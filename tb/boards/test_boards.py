@@ -26,7 +26,7 @@ def run(*arguments):
         ),
         (
             ["icebreaker", "array64"],
-            "synth: the icebreaker is not offered with array64: it needs 36 pins of the headers",
+            "synth: the icebreaker is not offered with array64: it needs 36 header pins",
         ),
         (
             ["icebreaker", "none"],

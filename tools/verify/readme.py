@@ -19,15 +19,16 @@ def paragraph(current, stale):
     left_out = (
         f"{points.excluded:,} points ({_percent(points.excluded, points.reachable + points.excluded, 0)}"
     )
+    blocks = f"{len(current['coverage'])} blocks"
     return (
         f"{unbounded} unbounded proofs hold, in two solvers each; the netlist is proven equal to the RTL for "
         f"{netlists.ecp5} (ECP5) and {netlists.ice40} (iCE40) of {len(benches.blocks())} blocks, for "
         f"{netlists.slang} of them as slang reads the RTL, and the reset is proven for {netlists.reset}. "
-        f"The blocks' own tests killed {_killed(cells)} mutants of cells and {_killed(source)} of source, and "
-        f"reached {reached} coverage points. Limits: the mutants are samples ({_drawn(cells)}; "
-        f"{_drawn(source)}), coverage is of {len(current['coverage'])} blocks and excludes {left_out} of all), "
-        f"and the netlist proofs treat {BOXES}. Stale blocks are not counted ({gone}); "
-        "[docs/trust.md](docs/trust.md) shows every kind of evidence and what each does not show."
+        f"The blocks' own tests killed {_killed(cells)} mutants of cells and {_killed(source)} of source, "
+        f"and reached {reached} coverage points. Limits: the mutants are samples ({_drawn(cells)}; "
+        f"{_drawn(source)}), coverage is of {blocks} and excludes {left_out} of all), and the netlist proofs "
+        f"treat {BOXES}. Stale blocks are not counted ({gone}); [docs/trust.md](docs/trust.md) shows every "
+        "kind of evidence and what each does not show."
     )
 
 

@@ -142,7 +142,7 @@ ON_BOARD = "MAX11125"
 
 def _too_few(there):
     """Why eight AD7606 do not fit a board with ``there`` header pins; builds.pins counts the pins needed."""
-    reason = f"it needs 36 pins of the headers and the board has {there}"
+    reason = f"it needs 36 header pins but the board has only {there}"
     return {"array64": reason, "full": reason}
 
 
