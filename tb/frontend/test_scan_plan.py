@@ -226,6 +226,13 @@ async def ticks_without_room_are_overruns(dut):
         counted = {1: 48, 2: 24, 3: 16, 7: 6}[period]  # of clock 49, a tick of 1 and 7, a clock later
         assert not switches and bench.read(dut.overrun_o) == counted, period
         await RisingEdge(dut.clk_i)
+        dut.rst_i.value = 1  # a tick and a wait in the clock of the reset are not counted after it
+        await RisingEdge(dut.clk_i)
+        dut.rst_i.value = 0
+        await bench.clocks(dut, 3)
+        await ReadOnly()
+        assert (bench.read(dut.overrun_o), bench.read(dut.held_o)) == (0, 0)
+        await RisingEdge(dut.clk_i)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
