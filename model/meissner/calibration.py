@@ -294,9 +294,9 @@ def command(arguments):
     frames, rows, columns = codes.shape
     dead = int(lines.dead.sum())
     print(
-        f"{rows}×{columns} cells from {frames} frames, {dead or 'none'} dead; 1 of force is "
-        f"{lines.force_lsb_n:g} N; off the line by {np.nanmedian(residual_n):.3g} N rms in the median, "
-        f"{np.nanmax(residual_n):.3g} N at most; {plain(arguments.out)}"
+        f"{rows}×{columns} cells from {frames} frames, {dead or 'none'} dead; one code of force is "
+        f"{lines.force_lsb_n:g} N; deviation from the line: {np.nanmedian(residual_n):.3g} N rms in the "
+        f"median, {np.nanmax(residual_n):.3g} N at most; {plain(arguments.out)}"
     )
     if dead:
         print(f"dead (row, column): {named(lines.dead)}")

@@ -281,7 +281,7 @@ def tell(found, codes_per_v=CODES_PER_V):
     rms = np.sqrt((found.residual**2).sum() / dof)
     lines += [
         f"{len(rest_v)} steps from {rest_v.min():.2f} to {rest_v.max():.2f} V at {speed_mm_s.min():g} to "
-        f"{speed_mm_s.max():g} mm/s; outside them the constants are a guess",
+        f"{speed_mm_s.max():g} mm/s; outside these ranges the constants are extrapolated",
         f"residuals of dV: {100 * rms:.2g} % rms ({dof} degrees of freedom), "
         f"{100 * found.residual[worst]:+.2g} % at most, step {worst + 1} "
         f"({rest_v[worst]:.2f} V, {speed_mm_s[worst]:g} mm/s)",

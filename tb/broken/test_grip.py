@@ -244,4 +244,4 @@ def test_where_nothing_is_pulled_there_is_no_rate_of_misses(score):
     assert isinstance(LET_GO, Grip) and found["missed_rate"] is found["lead_ms_min"] is None
     told = "\n".join(run.tell(SCENE, found))
     assert "with a false alarm: 0 of 2 runs" in told and "slips missed" not in told
-    assert "worst lead" not in told
+    assert "lead of a flag" not in told

@@ -168,8 +168,10 @@ def test_quieter_events_leave_less_to_spare(sound, tmp_path, monkeypatch):
 def test_the_verdict_says_what_fell(sound):
     text = answer(sound["grip_pour"])
     assert text.startswith(
-        "Nothing was dropped in 4 runs (95 % interval up to 60.24 %); held with at most 1."
+        "Nothing was dropped in 4 runs (95 % interval up to 60.24 %); the grip was at most 1."
     )
     two = sound["grip_pour"] | {"dropped_rate": {"count": 2, "runs": 4, "rate": 0.5, "low": 0.1, "high": 0.9}}
-    assert answer(two).startswith("The object was dropped in 2 of 4 runs (95 % interval up to 90 %); held")
+    assert answer(two).startswith(
+        "The object was dropped in 2 of 4 runs (95 % interval up to 90 %); the grip"
+    )
     assert words.cell("dropped_interval", [0.0, 0.5]) == "0 to 50"

@@ -331,7 +331,7 @@ def test_calibrate_and_then_process_cop(tmp_path, engine):
     done = meissner(*calibrate("press.npz", out="cal.npz"), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith(
-        "3×3 cells from 5 frames, none dead; 1 of force is 0.0005 N; off the line by "
+        "3×3 cells from 5 frames, none dead; one code of force is 0.0005 N; deviation from the line: "
     )
     np.save(tmp_path / "in.npy", presses()["codes"])
     arguments = cop("in.npy", "--calibration", "cal.npz", "--engine", engine, "--min-load", 10)

@@ -168,7 +168,7 @@ def test_run_the_scene(tmp_path, engine, request):
     assert np.array_equal(result["c0_codes"], scenes.simulate(scene, scene.conditions[0], 3).codes)
     assert len(list(tmp_path.glob("*.png"))) == 1 + len(scene.conditions)
     told = "\n".join(run.tell(scene, summary))
-    assert "load output down by" in told and "0 in the wrong eighth" in told
+    assert "load output down by" in told and "0 in the wrong octant" in told
     assert "0 of 14 runs (0 %, 95 % interval 0 to 23.2 %)" in told and "seeds 3 to 4" in told
 
 

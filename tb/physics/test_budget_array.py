@@ -107,7 +107,7 @@ def test_the_command_prints_what_the_function_finds():
         (4, 4, "within 1 ms"),
         (8, 4, "within 1 ms; 1 ms needs 4 of these converters"),
         (2, 4, "above 1 ms; 1 ms needs 4 of these converters"),
-        (8, None, "above 1 ms; no number of these converters brings it within 1 ms: scan a smaller array or "
+        (8, None, "above 1 ms; no number of these converters reaches 1 ms: scan a smaller array or "
          "take a faster part"),
     ],
 )  # fmt: skip

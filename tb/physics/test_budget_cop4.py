@@ -192,7 +192,9 @@ def test_the_command_prints_and_draws(tmp_path):
     done = meissner("--cop4", "--out", "one.png", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "17 bits at gain 1, 14 bits at gain 4" in done.stdout and "picture: one.png" in done.stdout
-    assert re.match(r"a position at 5 N below half a taxel's pitch .* needs: 17 bits at gain 1", done.stdout)
+    assert re.match(
+        r"at 5 N, a position error below half a taxel's pitch .* needs: 17 bits at gain 1", done.stdout
+    )
     assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
 
 

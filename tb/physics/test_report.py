@@ -67,9 +67,10 @@ def test_the_report_needs_no_other_file(tmp_path):
         ("onset_s", 3.8451022, "onset (truth), shown run (s)", "3.8451 s"),
         ("seconds_simulated", 2040.0, "simulated time (s)", "2,040 s"),
         ("flag_s", None, "slip flag rises, shown run (s)", "none"),
-        ("contact_share_of_sliding", 0.0415, "sliding time in which the state is not slip (%)", "4.15 %"),
+        ("contact_share_of_sliding", 0.0415, "share of sliding time in which the state is not slip (%)",
+         "4.15 %"),
         ("direction_deg", -3.36646, "reported direction of slip, shown run (°)", "-3.366°"),
-        ("load_drop", {"maximum": 0.7, "mean": 0.1}, "load output falls before the object moves (%)",
+        ("load_drop", {"maximum": 0.7, "mean": 0.1}, "fall of the load output before the object moves (%)",
          "10 % in the mean, 70 % at most"),
         ("samples_per_second", 577238, "samples through the engine per second", "577,238"),
         ("seed", 4711, "first seed", "4711"),
@@ -128,7 +129,7 @@ def test_the_verdict_on_slip(rows, text):
     )
     equal = f"{text[:-1]}; the core equals its integer twin in every value."
     assert verdict(summary | {"twin_mismatches": 0}, text) == equal
-    differs = "The core differs from its integer twin in 6 values: do not trust it. "
+    differs = "The core differs from its integer twin in 6 values: its results are not valid. "
     assert verdict(summary | {"twin_mismatches": 6}, text) == differs + text
 
 

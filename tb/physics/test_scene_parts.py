@@ -44,10 +44,10 @@ def scene(name, **changed):
         (
             "cop_slip",
             ["cop4"],
-            r"must name 'cop_slip': its flag and direction are judged, and \[slip\] sets it",
+            r"must name 'cop_slip': its flag and direction are judged; \[slip\] configures it",
         ),
         ("cop_slip", ["cop_slip"], "must name 'cop4'"),
-        ("grip_pour", ["slip"], "must name 'grip': the loop is closed by it"),
+        ("grip_pour", ["slip"], "must name 'grip': it closes the loop"),
         (
             "capacitive_cell",
             ["demod", "calibrate", "cop"],

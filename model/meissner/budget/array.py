@@ -11,10 +11,10 @@ BUDGET_S = 1e-3
 LANES = (1, 2, 4, 8)
 INPUTS = range(1, 9)  # of a converter
 NAMES = {
-    "scan": "from a frame's first convert start to its last",
-    "burst": "samples of the carrier after the last place's first",
+    "scan": "first to last convert start of a frame",
+    "burst": "carrier samples at the last place, after the first one",
     "convert": "the last conversion, at its longest",
-    "transfer": "its words over the pins",
+    "transfer": "transfer of its words over the pins",
     "demod": "amplitude of the last taxel",
     "buffer": "into row-major order",
     "health": "mask of taxels that cannot be trusted",
@@ -147,7 +147,7 @@ def tell(found):
     verdict = f"from first convert to CoP {total * clock_us:.3f} us, "
     verdict += "within 1 ms" if found["within_1_ms"] else "above 1 ms"
     if needs is None:
-        verdict += "; no number of these converters brings it within 1 ms: "
+        verdict += "; no number of these converters reaches 1 ms: "
         verdict += "scan a smaller array or take a faster part"
     elif needs != found["converters"]:
         verdict += f"; 1 ms needs {needs} of these converters"

@@ -57,7 +57,8 @@ def tell(found):
         "",
     ]
     lines.append(
-        f"before it: {found['convert_clocks']} clocks from convert start to the last finger's sample"
+        f"in addition, {found['convert_clocks']} clocks before it, from convert start to the last "
+        "finger's sample"
     )
     cycle = found["cycle_clocks"]
     lines.append(

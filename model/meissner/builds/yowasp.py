@@ -106,4 +106,4 @@ def warm_up():
     else:
         cache = Path.home() / ".cache/YoWASP"
     if not list(cache.glob("**/*yosys*")):
-        print("first run: the synthesis tools compile themselves, a minute or two ...", flush=True)
+        print("first run: compiling the synthesis tools, which takes a minute or two ...", flush=True)

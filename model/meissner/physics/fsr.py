@@ -73,12 +73,12 @@ ORIGINS = {
     "FSR400_BREAK_N": (
         "datasheet",
         f"{_FSR400}: actuation force",
-        "fsr_3x3: 0 N position 1.7 % and load 3.2 % off; 0.4 N 4.0 and 6.0 %; taken 2.3 and 7.2 %",
+        "fsr_3x3: position and load 1.7 and 3.2 % off at 0 N, 4.0 and 6.0 % at 0.4 N, 2.3 and 7.2 % chosen",
     ),
     "FSR400_SPREAD": (
         "datasheet",
         f"{_FSR400}: +-6 % in a batch, taken as a standard deviation",
-        "even press before: 0.03 4.5 %, 0.12 17.8 %, taken 9.0 %; after 0.05 to 0.07 %",
+        "even press before calibration: 4.5 % at 0.03, 17.8 % at 0.12, 9.0 % chosen; after: 0.05 to 0.07 %",
     ),
     "FSR400_DRIFT": (
         "chosen",
@@ -98,12 +98,12 @@ ORIGINS = {
     "VELOSTAT_SPREAD": (
         "chosen",
         "no data sheet",
-        "even press before: 0.16 60 %, taken 30 %; after 0.15 to 0.17",
+        "even press before calibration: 60 % at 0.16, 30 % chosen; after: 0.15 to 0.17 %",
     ),
     "VELOSTAT_DRIFT": (
         "chosen",
         "no data sheet",
-        "fsr_64x64: working cells' load 4.9 % off without, 2.0 % at 0.04, taken 3.2 %",
+        "fsr_64x64: working cells' load 4.9 % off without, 2.0 % at 0.04, 3.2 % chosen",
     ),
     "MATERIALS": ("computed", "of the constants above; Velostat in proportion to force", "as those"),
     "HOLD_OHM": (

@@ -36,7 +36,7 @@ ORIGINS = {
     "GRIP_RISE": (
         "published",
         f"{_PAPER}, III-A: 0.2 N of 2 N; chosen: that it goes with the third power of the pull",
-        "cop_slip: grip_rise_n, which is it times the grip; load_drop by less than 0.1 points",
+        "cop_slip: grip_rise_n, which is GRIP_RISE times the grip; load_drop by less than 0.1 points",
     ),
     "LEVER_MM": (
         "chosen",

@@ -45,7 +45,7 @@ ORIGINS = {
     ),
     "LEAST_DEPTH": (
         "chosen",
-        "a cover that ends at nothing would press points",
+        "with a cover of zero thickness at its edge the load would be a point",
         "cop_circle: only with a cover_radius below 0.56",
     ),
     "SETTLED": (
@@ -55,7 +55,7 @@ ORIGINS = {
     ),
     "TRIM": (
         "chosen",
-        "what a taxel carries below it costs time only",
+        "smaller loads only cost time",
         "docs/mesh.md: the corrections fitted for presses",
     ),
 }

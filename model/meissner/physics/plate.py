@@ -75,7 +75,7 @@ ORIGINS = {
     "FALL_S": (
         "chosen",
         "no paper resolves the fall from static to kinetic",
-        "nothing at 0.01 and at 0.2: delay and lead are the same",
+        "none: delay and lead are the same at 0.01 and at 0.2",
     ),
     "RIPPLE_LIMIT_HZ": (
         "published",

@@ -171,16 +171,16 @@ ORIGINS = {
     "SHEAR_EXPONENT": (
         "published",
         "shear (journal), table 2 and eq. 5: 0.11; its row of 2 V has 0.12",
-        "size of the shear step, which no flag hangs on (too slow for the detail)",
+        "size of the shear step; no flag depends on it (too slow for the detail)",
     ),
     "SHEAR_LINE": (
         "published",
-        "shear (journal), eq. 4 and fig. 15; CoP slip, eq. 2. Table 1's steps are twice what it gives",
+        "shear (journal), eq. 4 and fig. 15; CoP slip, eq. 2. The steps of Table 1 are twice as large",
         "size of the shear step; drop of the load in cop_slip",
     ),
     "SHEAR_TAPER": (
         "chosen",
-        "so that Vc stays below the supply: the line ends at 4 V with 0.47 V, from there straight to 0",
+        "keeps Vc below the supply: from the end of the line, 0.47 V at 4 V, the step falls linearly to 0",
         "shear step under less than 0.5 N, which no scene has while it shears",
     ),
     "SHEAR_FULL_MM": (
@@ -208,7 +208,7 @@ ORIGINS = {
     "CONVERGED": (
         "computed",
         "CoP slip, IV: Vc converges to about 3 V from 2 V, after table I's steps of 1.4, 1.6 and 2.1 V: "
-        "0.29, 0.38, 0.52 of them taken back; 0.4, near their mean, is chosen",
+        "0.29, 0.38, 0.52 of them reversed; 0.4, near their mean, is chosen",
         "Vc after a shear stops, where a scene asks for it (recovers = 0.4)",
     ),
     "STIFFNESS_N_MM": (
@@ -270,7 +270,8 @@ ORIGINS = {
     "SLIDING_SHARE": (
         "chosen",
         "published only as small changes while sliding (shear, fig. 5; high-sensitivity sensor, fig. 8)",
-        "share of the sliding in which the state says contact: 29 % at 0.25, none at 0.5; not delay nor lead",
+        "share of the sliding in which the state says contact: 29 % at 0.25, none at 0.5; neither delay nor "
+        "lead changes",
     ),
     "GROSS_SHARE": (
         "chosen",

@@ -28,5 +28,5 @@ def tell(summary):
             f"slips missed: {interval.words(summary['missed_rate'])}; flagged too late: {summary['late']}"
         )
     if summary["lead_ms_min"] is not None:
-        lines.append(f"worst lead of a flag before the slip: {summary['lead_ms_min']:.1f} ms")
+        lines.append(f"shortest lead of a flag before the slip: {summary['lead_ms_min']:.1f} ms")
     return [*lines, f"with a false alarm: {interval.words(summary['false_alarm_rate'])}"]

@@ -58,7 +58,7 @@ def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
     facts = {key: value for key, value in summary.items() if key not in (*hidden, "files", "saved")}
     if summary.get("saved"):
         row = {key: value for key, value in summary["saved"].items() if key != "full"}
-        tables = {**tables, "Saved beside everything on": [row]}
+        tables = {**tables, "Time saved compared with everything on": [row]}
     named = [
         (path, f"{condition}, seed {summary['seed']}, engine {summary['engine']}", shown)
         for path, condition, shown in pictures

@@ -55,10 +55,10 @@ def tell(scene, engine, found):
     """The line to print for the result of ``of``."""
     command = f"meissner run {scene} --engine {found['engine'] if found else engine} --full"
     if found is None:
-        return f"saved: not measured; `{command}` does"
+        return f"saved: not measured; `{command}` measures it"
     when = f"recorded {found['on']} by" if "on" in found else "measured now, by"
     return (
-        f"saved: {found['times_faster']:g} times faster than with everything on: a simulated second of world "
-        f"and engine takes {found['scene_ms_per_s']:.4g} ms, full {found['full_ms_per_s']:.5g} ms "
-        f"({when} `{command}`)"
+        f"saved: {found['times_faster']:g} times faster than with everything on: per simulated second, world "
+        f"and engine take {found['scene_ms_per_s']:.4g} ms, with everything on "
+        f"{found['full_ms_per_s']:.5g} ms ({when} `{command}`)"
     )

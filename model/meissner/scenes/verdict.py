@@ -50,8 +50,8 @@ def position_and_load(summary):
         return fact(key, summary[key][which])
 
     text = (
-        f"The position is at most {of('position_error', 'maximum')} of the range off and the load "
-        f"{of('load_error', 'maximum')}; in the mean {of('position_error', 'mean')} and "
+        f"The error of the position is at most {of('position_error', 'maximum')} of the range, that of the "
+        f"load {of('load_error', 'maximum')}; their means are {of('position_error', 'mean')} and "
         f"{of('load_error', 'mean')}"
     )
     if "response_s" in summary:
@@ -67,7 +67,10 @@ def verdict(summary, text):
     """The sensor's sentence with the comparison of core and twin; a difference comes first."""
     wrong = summary.get("twin_mismatches")
     if wrong:
-        return f"The core differs from its integer twin in {count(wrong, 'value')}: do not trust it. {text}"
+        return (
+            f"The core differs from its integer twin in {count(wrong, 'value')}: its results are not valid. "
+            f"{text}"
+        )
     if wrong == 0:
         return f"{text[:-1]}; the core equals its integer twin in every value."
     return text

@@ -2,8 +2,8 @@
 
 FEATURES = {"cop": "position and load are compared with the forces"}
 WHY = {
-    "moving contact": "[[world.patches]]: where and how hard it presses",
-    "elastic cover": "depth_pitches: how far a patch spreads",
+    "moving contact": "[[world.patches]]: place and force of each contact",
+    "elastic cover": "depth_pitches: spread of a patch",
     "taxel converter": "[converter]: force to codes, with its noise",
     "recorded pressures": "kind recording: dataset",
 }

@@ -13,8 +13,8 @@ from meissner.scenes.truth import errors, percent, summarise
 KEPT_SAMPLES = 1 << 22  # result.npz has no codes if there are more taxel samples
 
 SHOWN = (
-    "the way of the centre of pressure over the largest force on each taxel; position, load and their errors "
-    "over time"
+    "the path of the centre of pressure over the largest force on each taxel; position, load and their "
+    "errors over time"
 )
 
 
@@ -86,7 +86,7 @@ def tell(summary):
     """The lines to print of a summary."""
     return [
         f"1 run, seed {summary['seed']}: {summary['frames']} frames of "
-        f"{summary['rows']}×{summary['columns']}; {summary['below_min_load']} with less than the least load",
+        f"{summary['rows']}×{summary['columns']}; {summary['below_min_load']} below the least load",
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
     ]

@@ -8,9 +8,9 @@ FEATURES = {
 _USED = {"crosstalk": 1, "cell": 2, "select": 2, "shapes": 3}
 WHY = {
     "cells and amplifier": "gain, drive_v, stray_pf: capacitance to amplitude",
-    "carrier": "samples_per_period, periods, skip: what is demodulated",
+    "carrier": "samples_per_period, periods, skip: the signal that is demodulated",
     "converter": "bits, full_scale_v, noise_v",
-    "spread of the parts": "what calibration removes",
+    "spread of the parts": "spread that calibration removes",
     "tabs of rubber": "force to capacitance",
     "cover": "how far a press spreads to neighbours",
     "droop and sag": "kind cell: hold_s and rest_s",

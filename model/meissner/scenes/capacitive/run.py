@@ -52,7 +52,7 @@ def tell(summary):
     lines = [f"1 run, seed {summary['seed']}"]
     if "difference_from_eq18_v" in summary:
         apart_mv = 1e3 * summary["difference_from_eq18_v"]
-        lines.append(f"demodulated output against eq. 18: {apart_mv:.2g} mV apart")
+        lines.append(f"demodulated output and eq. 18 differ by at most {apart_mv:.2g} mV")
     if "sag_of_hold" in summary:
         lines += [
             f"unloading reads {summary['unloading_above_loading_g']:.2g} g above loading, "
@@ -70,7 +70,8 @@ def tell(summary):
     if "peaks_apart_mm" in summary:
         lines.append(
             f"peaks {summary['peaks_apart_mm']:.3g} mm apart; "
-            f"a neighbour says {100 * summary['neighbour_at_a_centre']:.2g} % over a cell's centre"
+            f"a neighbour reads {100 * summary['neighbour_at_a_centre']:.2g} % with the probe "
+            "over a cell's centre"
         )
     if "unevenness_after" in summary:
         lines += [

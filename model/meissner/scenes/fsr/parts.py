@@ -1,15 +1,15 @@
 """Parts of a scene of a resistive matrix, and what each is for."""
 
 FEATURES = {
-    "calibrate": "cells are compared in newtons, and calibrate_n presses them for it",
+    "calibrate": "cells are compared in newtons after a calibration with calibrate_n",
     "cop": "position and load are compared with the forces",
 }
 WHY = {
-    "moving contact": "[[world.patches]]: where and how hard it presses",
-    "elastic cover": "depth_pitches: how far a patch spreads",
+    "moving contact": "[[world.patches]]: place and force of each contact",
+    "elastic cover": "depth_pitches: spread of a patch",
     "cell resistance": "material: force to resistance",
-    "spread of the cells": "what calibration removes",
-    "drift under load": "material: what calibration cannot remove",
+    "spread of the cells": "spread that calibration removes",
+    "drift under load": "material: drift that calibration cannot remove",
     "resistor network": "[readout]: the cells share their lines",
     "converter": "[converter]: volts to codes, with its noise",
     "faults": "[[faults]]",

@@ -1,18 +1,18 @@
 """Parts of a scene of an object on the four-wire sensor, and what each is for."""
 
 FEATURES = {
-    "cop4": "position and load of the electrodes are what the slip is found in",
-    "cop_slip": "its flag and direction are judged, and [slip] sets it",
+    "cop4": "slip is detected in the electrodes' position and load",
+    "cop_slip": "its flag and direction are judged; [slip] configures it",
 }
 WHY = {
     "resistor mesh": "[mesh]: the sensor, loads to voltages",
     "taxel resistance": "k_n_ohm: force to resistance",
     "converter": "[converter]: voltages to codes, with its noise",
-    "grip": "grip_n: what holds the object",
+    "grip": "grip_n: force that holds the object",
     "pull": "[[world.pulls]]",
     "plate friction": "material of a pull: when the object moves",
-    "rubber shear": "what a pull takes from the load output",
-    "moment of the pull": "what moves the position before the object does",
+    "rubber shear": "fall of the load output under a pull",
+    "moment of the pull": "move of the position before the object moves",
 }
 BYTES = 32  # per taxel of a sample: loads applied and felt
 

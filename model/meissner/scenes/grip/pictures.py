@@ -27,7 +27,7 @@ def draw(path, recording, found, decisions, verdict):
     force.set(ylabel="force (N)", xlabel="time (s)")
     force.set_ylim(0, 1.1 * max(held.tension_n.max(), 0.1))
     moved = force.twinx()
-    moved.plot(time_s, held.slip_mm, color=PURPLE, lw=1.4, label="the object's way (truth, right)")
+    moved.plot(time_s, held.slip_mm, color=PURPLE, lw=1.4, label="displacement of the object (truth, right)")
     moved.set(ylabel="mm")
     moved.set_ylim(0, max(1.1 * held.slip_mm.max(), 1.0))
     marks = (
@@ -50,7 +50,7 @@ def draw(path, recording, found, decisions, verdict):
 
 def draw_ways(path, scene, ways):
     """Every slip's reported direction beside the true one; ``ways``: (true, reported or None) in degrees."""
-    figure = _figure(5.5, 5.5, f"{scene.name}: which way it slips")
+    figure = _figure(5.5, 5.5, f"{scene.name}: direction of slip")
     axis = figure.add_subplot(projection="polar")
     for index, true_deg in enumerate(dict.fromkeys(true for true, _ in ways)):
         label = "truth" if index == 0 else None

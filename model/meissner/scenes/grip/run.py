@@ -221,8 +221,8 @@ def tell(summary):
         f"before the object moves, in the mean: load output down by {mean('load_drop', 100)} % (published: "
         f"50 and 65 %), grip up by {mean('grip_rise_n')} N (0.2 N), position moved by {mean('move_v')} V of "
         f"±{FULL_SCALE_V:g} V (0.05 V)",
-        f"direction of slip: {mean('direction_error_deg')} degrees off in the mean, "
-        f"{summary['octants_wrong']} in the wrong eighth",
+        f"direction of slip: mean error {mean('direction_error_deg')} degrees, "
+        f"{summary['octants_wrong']} in the wrong octant",
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}; against what the sheared rubber shows: "
         f"{percent(summary['load_error_without_shear'])}",

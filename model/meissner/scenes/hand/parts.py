@@ -1,13 +1,13 @@
 """Parts of a scene of a hand, and what each is for."""
 
 FEATURES = {
-    "slip": "the reflex reads its windows, and [slip] sets it",
-    "grip": "the loop is closed by it, and [grip] sets it",
+    "slip": "the reflex reads its windows; [slip] configures it",
+    "grip": "it closes the loop; [grip] configures it",
 }
 WHY = {
     "rubber divider": "the sensor of each finger",
     "shear step": "the object's weight shears the rubber",
-    "partial slip that begins again": "first_event and heal_s: what the reflex answers",
+    "partial slip that begins again": "first_event and heal_s: events that the reflex answers",
     "friction of two contacts": "material and friction_spread",
     "slide with inertia": "whether and how far the object falls",
     "position servo with ripple": "the hand that carries out the command",

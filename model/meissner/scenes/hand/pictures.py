@@ -41,7 +41,9 @@ def draw(path, scene, condition, seed, trace):
         detail.plot(tight, np.full(len(tight), 0.072), "|", color=RED, ms=8, label="tightened")
     total = trace.sag_mm + trace.ring_mm + trace.slip_mm
     rest = total[0]
-    place.plot(time_s, thin(total - rest, np.maximum), color=INK, lw=1.6, label="the object's way down")
+    place.plot(
+        time_s, thin(total - rest, np.maximum), color=INK, lw=1.6, label="downward displacement of the object"
+    )
     parts = (
         (trace.sag_mm, BLUE, "elastic sag"),
         (trace.ring_mm, ORANGE, "slipped rings"),

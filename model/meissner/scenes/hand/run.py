@@ -9,7 +9,10 @@ from meissner.scenes.hand import loop, pictures
 from meissner.scenes.results import check_waves, finish, head, table
 from meissner.twins.actuate.grip import Grip
 
-SHOWN = "grip force beside the least that holds the object, the Haar detail of both fingers, and its way down"
+SHOWN = (
+    "grip force and the least that holds the object, the Haar detail of both fingers, and the object's "
+    "downward displacement"
+)
 AT_ONCE = 50  # runs that advance together
 # An engine's part of the loop; both have the reflex in integers (docs/grip_scenes.md explains it).
 PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip)}
@@ -123,7 +126,7 @@ def tell(summary):
     ]
     if summary["grip_ratio_mean"] is not None:
         lines.append(
-            f"of the runs that hold: grip at most {summary['grip_ratio_mean']:.3f} of the least that "
+            f"runs that hold: grip at most {summary['grip_ratio_mean']:.3f} times the least that "
             f"friction allows, in the mean of a condition; the object moved by at most "
             f"{summary['moved_mm_max']:.3f} mm, of which slip at most {summary['slip_mm_max']:.4f} mm"
         )

@@ -13,7 +13,7 @@ def answer(summary):
     )
     return (
         f"{text} {'in' if not rate['count'] else 'of'} {runs} (95 % interval up to "
-        f"{number(100 * rate['high'])} %); held with at most {number(summary['grip_ratio_mean'])} times the "
-        f"least grip that friction allows, in the mean of a condition, while the object slipped by at most "
-        f"{number(summary['slip_mm_max'])} mm."
+        f"{number(100 * rate['high'])} %); the grip was at most {number(summary['grip_ratio_mean'])} times "
+        f"the least grip that friction allows, in the mean of a condition, while the object slipped by at "
+        f"most {number(summary['slip_mm_max'])} mm."
     )

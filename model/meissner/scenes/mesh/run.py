@@ -17,7 +17,7 @@ SHOWN = {
     "points": "reported place and load against the true ones, and their errors",
     "surface": "voltage of layer A, the whole layer for the first r and the loaded row for each r",
     "random": "errors of position and load over the total load, mean and deviation of all draws",
-    "pulse": "what presses, what the taxels feel and what is reported, over time",
+    "pulse": "applied load, load felt by the taxels and reported load over time",
     "stroke": "the locus of the reported centre over the taxels, and its radius around the circle",
 }
 
@@ -170,7 +170,7 @@ def tell(summary):
     if "response_s" in summary:
         lines += [
             f"without the rubber's lag: {percent(summary['load_error_without_lag'])}",
-            f"95 % of the load is reported {summary['response_s'] * 1e3:.2f} ms after it begins, and the "
+            f"95 % of the load is reported {summary['response_s'] * 1e3:.2f} ms after it starts, and the "
             f"position settles after {summary['position_response_s'] * 1e3:.2f} ms (published: about 0.6 ms)",
         ]
     if "locus" in summary:

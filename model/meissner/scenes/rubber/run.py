@@ -128,11 +128,11 @@ def tell(summary):
         )
     lines += tell_rates(summary)
     if summary["false_alarms_masked"] != summary["false_alarms"]:
-        lines.append(f"with the core told of its own motion: {summary['false_alarms_masked']} false alarms")
+        lines.append(f"if the core knows its own motion: {summary['false_alarms_masked']} false alarms")
     share = summary["contact_share_of_sliding"]
     if share is not None:
         lines.append(
-            f"of the time in which the whole contact slid, the state said contact in {100 * share:.2f} %"
+            f"while the whole contact slid, the state was contact for {100 * share:.2f} % of the time"
         )
     wrong = 100 * summary["contact_wrong_share"]
     lines.append(f"state and truth disagree on whether the plate presses in {wrong:.3g} % of the time")

@@ -1,19 +1,19 @@
 """Parts of a scene of sheared rubber, and what each is for."""
 
 FEATURES = {
-    "slip": "its false alarms, and of kind stick_slip its flag, are judged",
-    "shear_speed": "of kind speed its estimates stand beside the stage's speed",
+    "slip": "its false alarms are judged; in kind stick_slip also its flag",
+    "shear_speed": "kind speed: its estimates are compared with the stage's speed",
 }
 WHY = {
     "rubber divider": "the sensor: force and shear to the voltage Vc",
     "normal force profile": "normal_n is pressed on before the shear",
     "shear step": "speed_mm_s and moved_mm: the dV that is measured",
     "deviation of repeated steps": "seeds: each repeats the shear",
-    "recovery": "held_s: what is left of dV",
+    "recovery": "held_s: recovery of dV",
     "adc": "adc: Vc to codes, with its noise",
     "partial slip": "kind stick_slip: first_event",
     "plate friction": "kind stick_slip: material",
-    "stick-slip": "kind stick_slip: what the detectors are to find",
+    "stick-slip": "kind stick_slip: the events to be detected",
 }
 BYTES = 400  # per sample, as in the scenes of the rubber
 

@@ -110,8 +110,8 @@ def _speed(summary):
         *lines,
         f"dV beside Table 2: {100 * summary['off_table_2']['mean']:.2g} % off in the mean; beside Table 1: "
         f"{100 * summary['off_table_1']['mean']:.2g} %",
-        f"one step gives its speed back to {error:.2g} % in the mean",
-        f"above the limit and found so: {interval.words(summary['beyond_found'], 'steps')}"
+        f"the speed computed from one step is {error:.2g} % off in the mean",
+        f"above the limit and found above it: {interval.words(summary['beyond_found'], 'steps')}"
         if summary["beyond_found"]
         else "no step is above the limit",
         f"below it and found above: {interval.words(summary['beyond_falsely'], 'steps')}",
@@ -136,14 +136,14 @@ def _stick_slip(summary):
     ]
     if summary["lead_ms_min"] is not None and summary["slope_lead_ms_min"] is not None:
         lines.append(
-            f"worst lead before the slip: flag {summary['lead_ms_min']:.1f} ms, derivative "
+            f"shortest lead before the slip: flag {summary['lead_ms_min']:.1f} ms, derivative "
             f"{summary['slope_lead_ms_min']:.1f} ms"
         )
     if summary["stick_slips_found"]:
         lines.append(
-            "stick-slips under the derivative: "
+            "stick-slips detected by the derivative: "
             f"{interval.words(summary['stick_slips_found'], 'stick-slips')}; "
-            f"{summary['elsewhere_per_s']:.2g} a second elsewhere"
+            f"{summary['elsewhere_per_s']:.2g} false crossings per second"
         )
     return lines
 
@@ -155,7 +155,7 @@ def tell(summary):
     """The lines to print of a summary."""
     of_kind = next(lines for key, lines in _TELL.items() if key in summary)
     first, last = summary["seeds"]
-    what = "before a slip" if "stick_slips" in summary else "though nothing slips"
+    what = "before a slip" if "stick_slips" in summary else "where nothing slips"
     return [
         f"{summary['runs']} runs, seeds {first} to {last} of each case",
         *of_kind(summary),

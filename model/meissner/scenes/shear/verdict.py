@@ -30,7 +30,8 @@ def _sheared(summary):
     elif "k0" in summary:
         values = [f"{name} = {summary[name]:.3f}" for name in ("k0", "k1", "n")]
         text = (
-            f"The steps fit {', '.join(values)}; one step gives its speed to {of('speed_error')} in the mean"
+            f"The steps fit {', '.join(values)}; the speed from one step is {of('speed_error')} "
+            "off in the mean"
         )
     else:
         ways = [

@@ -39,7 +39,7 @@ AXES = (
     Axis(
         name="divider",
         title="Division of the centre of pressure",
-        about="the fraction has 4 to 20 bits, one or two of them a clock",
+        about="the fraction has 4 to 20 bits, one or two computed per clock",
         values={"fraction_bits": (4, 6, 8, 10, 12, 14, 16, 18, 20), "bits_per_clock": (1, 2)},
         shipped={"fraction_bits": 14, "bits_per_clock": 2},
         runs={"frames": (2000, 500)},

@@ -43,8 +43,8 @@ AXES = (
     Axis(
         name="reflex",
         title="Control cycle of the grip reflex, three tugs at a glass",
-        about="a cycle of 1, 2, 5 or 10 ms; a step is a share of the grip, at most 0.1, while tugs come; "
-        "while windows over follow each other it doubles boost times, at most 7",
+        about="a cycle of 1, 2, 5 or 10 ms; a step is a share of the grip, at most 0.1, during tugs; "
+        "during consecutive windows over it doubles boost times, at most 7",
         values={"cycle_ms": (1, 2, 5, 10), "step_share": (0.004, 0.008, 0.016), "boost": (0, 5)},
         quick={"cycle_ms": (2, 10), "step_share": (0.008,), "boost": (5,)},
         shipped={"cycle_ms": 10, "step_share": 0.008, "boost": 5},
@@ -63,7 +63,7 @@ AXES = (
             Figure("grip_ratio", "grip over the least that friction allows", judged=True),
             Figure("slip_mm_mean", "slip, mean", "mm"),
             Figure("slipped", "slipped by more than a micrometre, or dropped"),
-            Figure("dropped", "of all runs, dropped"),
+            Figure("dropped", "dropped, of all runs"),
             Figure("moved_mm_max", "moved, elastic sag too", "mm"),
         ),
         panels=(("cycles_s", "slip_mm_max"), ("cycles_s", "grip_ratio")),

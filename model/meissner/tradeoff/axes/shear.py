@@ -43,7 +43,7 @@ AXES = (
     Axis(
         name="shear",
         title="Tables of the speed of shear",
-        about="a table has 2^3 to 2^8 entries, and the fraction 1 to 14 bits more than that",
+        about="a table has 2^3 to 2^8 entries; the fraction has 1 to 14 bits more than the table's address",
         values={"table_bits": tuple(PRECISIONS), "fraction_bits": (10, 12, 14, 16, 18, 20)},
         shipped={"table_bits": 6, "fraction_bits": 16},
         legal=lambda point: (

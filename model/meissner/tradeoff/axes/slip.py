@@ -131,7 +131,8 @@ AXES = (
         name="slip",
         title="Slip: converter, sampling rate, Haar level and window",
         about="a window is a power of two, 4 samples or more and two details at least, of 1000 to 100000 "
-        "samples a second; 0.198 mV is the MCP3208's own noise; 15 bits of 0 to 5 V are an AD7606's of ±5 V",
+        "samples a second; 0.198 mV is the MCP3208's own noise; 15 bits over 0 to 5 V are the "
+        "AD7606's 16 bits over ±5 V",
         values={
             "rate_hz": (2500, 5000, 10000, 20000),
             "bits": (8, 10, 12, 15),
