@@ -327,6 +327,8 @@ def test_the_named_configurations_that_a_board_leaves_out_do_not_fit():
             needed = sum(need.count for need in pins.needs(pins.description(board.name), build.parameters))
             there = len(pins.description(board.name).headers)
             if "header pins" in reason:
-                assert needed > there and f"needs {needed} header pins" in reason and f"only {there}" in reason
+                assert (
+                    needed > there and f"needs {needed} header pins" in reason and f"only {there}" in reason
+                )
             else:
                 assert needed <= there

@@ -144,6 +144,28 @@ def test_an_interrupted_sweep_goes_on(tmp_path, how):
     assert begun_points <= there + 2, "those that ran, and no more"
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_an_interrupt_in_a_finalizer_is_not_lost(tmp_path):
+    """Python drops an exception that is raised there; the next answer raises it. Before and after a sweep the
+    signal has its usual handler."""
+    (tmp_path / "hold").touch()
+
+    class Finalized:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    usual = signal.getsignal(signal.SIGINT)
+    answers = Pool(1).run(sweep.tasks_of(toy.AXES[0]))
+    next(answers)
+    one = Finalized()
+    del one
+    with pytest.raises(KeyboardInterrupt):
+        for _ in answers:
+            pass
+    assert signal.getsignal(signal.SIGINT) is usual
+    (tmp_path / "hold").unlink()
+
+
 def test_what_was_being_written_is_no_point(tmp_path):
     clean = swept(tmp_path / "a")
     folder = tmp_path / "a/points/toy"

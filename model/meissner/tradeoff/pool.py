@@ -5,10 +5,12 @@ A thread feeds each process, and replaces it if it dies.
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import threading
 from collections import OrderedDict, deque
+from contextlib import contextmanager
 from queue import SimpleQueue
 from typing import NamedTuple
 
@@ -63,6 +65,24 @@ class _Waiting:
             return True
 
 
+@contextmanager
+def _interrupts(answers):
+    """Put each interrupt into ``answers``, too: Python drops an exception that is raised in a finalizer."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def interrupted(signum, frame):
+        answers.put(KeyboardInterrupt())
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, interrupted)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 class Pool:
     """``count`` processes; ``run(tasks)`` yields (task, answer) as results arrive, in any order."""
 
@@ -114,15 +134,18 @@ class Pool:
             threading.Thread(target=self._feed, args=given, daemon=True).start()
         left = len(tasks)
         try:
-            while left:
-                found = answers.get()
-                if found is None:  # a thread has no task left; others may still run a lost point again
-                    count -= 1
-                    if not count:
-                        break
-                    continue
-                left -= 1
-                yield found
+            with _interrupts(answers):
+                while left:
+                    found = answers.get()
+                    if isinstance(found, KeyboardInterrupt):
+                        raise found
+                    if found is None:  # a thread has no task left; others may still run a lost point again
+                        count -= 1
+                        if not count:
+                            break
+                        continue
+                    left -= 1
+                    yield found
         finally:
             self.close()
 
