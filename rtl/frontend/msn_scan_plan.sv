@@ -151,8 +151,8 @@ module msn_scan_plan #(
     end
   end
 
-  // A frame starts at its tick, or as soon as it can. Where the state or the enable already rule a tick out, zero_q
-  // stands for it; the counters count a clock later: shorter paths to switch_o and to the carry chains.
+  // A frame starts at its tick, or as soon as it can. Where state and enable are checked anyway, zero_q alone stands
+  // for the tick, and the counters count a clock later: shorter paths to switch_o and to the carry chains.
   logic [PeriodBits-1:0] left_q;
   logic                  zero_q;  // left_q is 0: compared a clock ahead
   logic                  tick, want_q, due, late_q, waits_q;

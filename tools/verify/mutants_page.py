@@ -24,12 +24,8 @@ def summary(found):
 
 def total(blocks):
     """One line that sums up all blocks."""
-    kinds = (
-        ("mutants of cells", [b for b in blocks if "mutants" in b]),
-        ("of source", [b["source"] for b in blocks if "source" in b]),
-    )
     told = []
-    for name, some in kinds:
+    for name, some in zip(("mutants of cells", "of source"), sums.kinds(blocks)):
         if some:
             of = sums.mutants(some)
             there = "" if of.there is None else f" of {of.there:,}"

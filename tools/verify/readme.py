@@ -11,14 +11,11 @@ def paragraph(current, stale):
     """``current``: {kind: facts of its blocks that are not stale}; ``stale``: {kind: how many are stale}."""
     rows = formal.held(row for facts in current["formal"] for row in facts["proofs"].values())
     unbounded = sum(row["kind"].startswith("k") for row in rows)
-    cells = [facts for facts in current["mutants"] if "mutants" in facts]
-    source = [facts["source"] for facts in current["mutants"] if "source" in facts]
+    cells, source = sums.kinds(current["mutants"])
     points, netlists = sums.points(current["coverage"]), sums.netlists(current["equivalence"])
     gone = ", ".join(f"{kind} {stale[key]}" for key, kind in KINDS.items())
     reached = f"{_percent(points.hit, points.reachable)} of {points.reachable:,}"
-    left_out = (
-        f"{points.excluded:,} points ({_percent(points.excluded, points.reachable + points.excluded, 0)}"
-    )
+    share = _percent(points.excluded, points.reachable + points.excluded, 0)
     blocks = f"{len(current['coverage'])} blocks"
     return (
         f"{unbounded} unbounded proofs hold, in two solvers each; the netlist is proven equal to the RTL for "
@@ -26,9 +23,9 @@ def paragraph(current, stale):
         f"{netlists.slang} of them as slang reads the RTL, and the reset is proven for {netlists.reset}. "
         f"The blocks' own tests killed {_killed(cells)} mutants of cells and {_killed(source)} of source, "
         f"and reached {reached} coverage points. Limits: the mutants are samples ({_drawn(cells)}; "
-        f"{_drawn(source)}), coverage is of {blocks} and excludes {left_out} of all), and the netlist proofs "
-        f"treat {BOXES}. Stale blocks are not counted ({gone}); [docs/trust.md](docs/trust.md) shows every "
-        "kind of evidence and what each does not show."
+        f"{_drawn(source)}), coverage is of {blocks} and excludes {points.excluded:,} points "
+        f"({share} of all), and the netlist proofs treat {BOXES}. Stale blocks are not counted ({gone}); "
+        "[docs/trust.md](docs/trust.md) shows every kind of evidence and what each does not show."
     )
 
 

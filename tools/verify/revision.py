@@ -181,12 +181,13 @@ def of_board(board, config):
     instead = {path: _instead([path]) for path in sources}
     pins = _plain(toolchain.ROOT / f"constraints/{board.name}.toml")
     setting = repr((board.synth, board.pnr, board.device(config), sorted(board.parameters(config).items())))
+    versions = _versions("boards")
 
     def digest_with(blocks):
         built = blocks.split()
         used = [path for path in sources if path.stem in built or path.stem.endswith("_pkg")]
         others = [text for path in used for text in instead[path]]
-        return _hashed([*_texts([*own, *used], read.get), *others, pins, setting, *_versions("boards")])
+        return _hashed([*_texts([*own, *used], read.get), *others, pins, setting, *versions])
 
     return digest_with
 

@@ -32,6 +32,11 @@ class Netlists(NamedTuple):
     reset: int
 
 
+def kinds(blocks):
+    """The blocks' results for the mutants of cells, and for those of source, as far as they exist."""
+    return [b for b in blocks if "mutants" in b], [b["source"] for b in blocks if "source" in b]
+
+
 def mutants(parts):
     """``parts``: the results for the cells, or for the source text, of some blocks."""
     drawn, killed, equivalent = (
