@@ -9,10 +9,12 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import cocotb_tools.config
 import numpy as np
 import pytest
 
 from meissner.builds import toolchain
+from verify import benches
 
 
 @pytest.fixture
@@ -46,6 +48,18 @@ def test_the_rtl_engine_runs_there(tmp_path, cache):
     }
     assert len(list((checkout / "build/rtl").glob("*/core.so"))) == 1
     assert os.readlink(next(path for path in cache.iterdir() if path.is_symlink())).startswith(str(checkout))
+
+
+def test_the_tools_of_evidence_give_make_links_to_cocotb(tmp_path, cache, monkeypatch):
+    """Otherwise a makefile depends on the first half of a path with a space, from its second run on."""
+    for name in ("libs_dir", "share_dir"):
+        folder = tmp_path / "tac tile" / name
+        folder.mkdir(parents=True)
+        monkeypatch.setattr(cocotb_tools.config, name, folder)
+    benches.cocotb_for_make()
+    for name in ("libs_dir", "share_dir"):
+        given = getattr(cocotb_tools.config, name)
+        assert given.is_relative_to(cache) and given.samefile(tmp_path / "tac tile" / name)
 
 
 def test_a_path_that_make_can_read_stays(cache):

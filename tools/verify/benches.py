@@ -26,6 +26,15 @@ bench.run = _run
 """
 
 
+def cocotb_for_make():
+    """Let cocotb's runner write its own folders into makefiles as make can read them, as tb/runner.py does:
+    without this, the second build in a checkout whose path has a space fails."""
+    import cocotb_tools.config as config
+
+    for folder in ("libs_dir", "share_dir"):
+        setattr(config, folder, toolchain.for_make(getattr(config, folder)))
+
+
 def blocks():
     """Names of all blocks in rtl/rtl.f, in its order, without msn_ and without packages."""
     names = [path.stem.removeprefix("msn_") for path in toolchain.sources()]

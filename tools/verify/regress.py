@@ -63,6 +63,7 @@ def build(block, given):
     (folder / f"{TOP}.sv").write_text(text)
     os.environ.update(toolchain.environment())
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O1 OPT_SLOW=-O0"
+    benches.cocotb_for_make()
     try:
         get_runner("verilator").build(
             sources=[*map(toolchain.for_make, sources), folder / f"{TOP}.sv"],

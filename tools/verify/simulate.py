@@ -7,6 +7,7 @@ from cocotb_tools.runner import Verilator
 
 from meissner.builds import toolchain
 from meissner.builds.yowasp import ROOT
+from verify import benches
 
 # Yosys's Verilog does not follow the style rules, and a mutant may close a combinational loop. If Verilator
 # inlined the block, output registers with a mutated net would start at zero regardless of the option.
@@ -38,6 +39,7 @@ def build(run, folder):
     top = f"msn_{run['block']}"
     os.environ.update(toolchain.environment())
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
+    benches.cocotb_for_make()
     (ROOT / folder / "public.vlt").write_text(PUBLIC.format(top=top))
     package = ROOT / "rtl/msn_pkg.sv"
     packages = [path for path in toolchain.sources_of(top) if path.stem.endswith("_pkg") and path != package]
