@@ -1,9 +1,7 @@
 """Builds that `make test` leaves to `make test-long`, while it runs other builds of the same blocks. Coverage
 counts these builds too. Long tests of the tools that make evidence are listed with them."""
 
-import inspect
 import os
-from functools import cache
 from pathlib import Path
 
 import pytest
@@ -14,6 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
 import ahead
 import bodies
+import together
 import units
 from meissner.engines import verilated
 
@@ -121,9 +120,8 @@ BIG = [
 def left_alone(items):
     """Files of ``items`` none of whose builds `make test` runs."""
     builds = {}
-    calls = cache(lambda function: "bench.run(" in inspect.getsource(function))  # once for all parameter sets
     for item in items:
-        if calls(item.function):
+        if together.calls_run(item.function):
             left = item.get_closest_marker("long") or item.get_closest_marker("big")
             builds.setdefault(item.nodeid.split("::")[0], []).append(not left)
     return sorted(name for name, runs in builds.items() if not any(runs))
@@ -143,6 +141,10 @@ def pytest_configure(config):
     judges = os.environ.get("MEISSNER_SIM", "verilator") == "verilator"
     judges = judges and not {"MEISSNER_POWERUP", "MEISSNER_RUNS"} & os.environ.keys()
     config.pluginmanager.register(bodies.Watch(config, Path(__file__).parent, judges))
+
+
+def pytest_collection_finish(session):
+    together.of_session[:] = session.items
 
 
 def pytest_collection_modifyitems(items):

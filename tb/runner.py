@@ -17,6 +17,7 @@ import bodies
 import icarus
 import quick
 import recorder
+import together
 from meissner.builds import toolchain
 from stimulus import SEED
 from units import Units
@@ -30,8 +31,7 @@ SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
 # Files whose failed assertions show the compared values: rewriting every other module, NumPy too, takes a
 # second.
 os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
-if os.environ.get("MEISSNER_INSTANCE"):  # one instance of many in a top without ports (verify.regress)
-    cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
+together.install()
 if cocotb.is_simulation and os.environ.get("MEISSNER_COCOTB") != "plain":
     quick.install()
 if recorder.FILE:
@@ -59,15 +59,16 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     see below the top (units.py).
     """
     parameters = parameters or {}
+    if together.collecting(block, parameters, sources or include or inside):
+        return
     module = module or f"test_{block}"
-    file = module.removeprefix("test_")
-    name = "-".join([file, *([] if block in file else [block]), *(f"{k}{v}" for k, v in parameters.items())])
-    name += f"-{(include or sources[-1].parent).name}" if sources else ""
-    name = name.replace("'", "")  # from sized numbers
-    if len(name) > 150:  # a file name may have 255 characters
-        name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
     evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/coverage.md
     where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
+    alone = sources or include or inside or evidence or POWERUPS or SIM != "verilator"
+    sizes = [] if alone else together.group(block, parameters)
+    top = f"{block}_side_by_side" if sizes else f"msn_{block}"
+    of = f"-{(include or sources[-1].parent).name}" if sources else ""
+    name = name_of(module, block, sizes or [parameters]) + of
     build_dir = toolchain.folder_for_make(toolchain.BUILD / where / name)
     sources = sources or toolchain.sources_of(f"msn_{block}")
     # `make lint` checks for unused signals and parameters, in the sizes that are built.
@@ -80,12 +81,15 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
     sources = [toolchain.for_make(source) for source in sources]
     os.environ.update(toolchain.environment())
-    runner = Units(inside) if SIM == "verilator" else get_runner(SIM)
+    if sizes:
+        runner = together.Side(block, sizes, parameters)
+    else:
+        runner = Units(inside) if SIM == "verilator" else get_runner(SIM)
     runner.build(
         sources=sources,
-        hdl_toplevel=f"msn_{block}",
+        hdl_toplevel=top,
         includes=[include] if include else [],
-        parameters=parameters,
+        parameters={} if sizes else parameters,
         build_args=flags,
         build_dir=build_dir,
         timescale=("1ns", "1ps"),
@@ -94,7 +98,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     def simulate(select, *plusargs):
         """Run the tests that ``select`` names; return the names of those that ran."""
         given = {
-            "hdl_toplevel": f"msn_{block}",
+            "hdl_toplevel": top,
             "test_module": f"{stage}.{module}",
             "build_dir": build_dir,
             "test_dir": build_dir,
@@ -121,6 +125,16 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         # Start from zeros: a change from ones to the reset value would count as a toggle.
         start = [f"+verilator+coverage+file+{folder / which}.dat"]
     simulate(test_filter, *start)
+
+
+def name_of(module, block, sizes):
+    """A build's folder: the test file's name, the block's if the file's does not have it, all parameters."""
+    file = module.removeprefix("test_")
+    values = [f"{k}{v}" for size in sizes for k, v in size.items()]
+    name = "-".join([file, *([] if block in file else [block]), *values])
+    name = name.replace("'", "")  # from sized numbers
+    # A file name may have 255 characters.
+    return name if len(name) <= 150 else f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
 
 
 def plainly(test, **given):
