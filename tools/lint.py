@@ -45,6 +45,7 @@ def main():
     strays = [str(p.relative_to(ROOT)) for p in ROOT.glob("rtl/**/*.sv") if p.relative_to(ROOT) not in listed]
     problems = [f"neither rtl/rtl.f nor a board nor a family lists {stray}" for stray in strays]
     tops = [path for path in files if not path.stem.endswith("_pkg")]
+    modules = {path.stem for path in tops}
     misnamed = [path for path in tops if f"module {path.stem} " not in (ROOT / path).read_text()]
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
     for path in sorted(listed):
@@ -53,7 +54,8 @@ def main():
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS)]
 
     def elaborate(name, top, *more, instead=None):
-        sources = [(instead or {}).get(str(path), str(path)) for path in files]
+        inner = [path.relative_to(ROOT) for path in toolchain.sources_of(top)] if top in modules else files
+        sources = [(instead or {}).get(str(path), str(path)) for path in inner]
         for tool, command, option in (("verilator", verilator, "--top-module"), ("slang", SLANG, "--top")):
             jobs.append((f"{tool} {name}", [*command, *sources, *more, option, top]))
 

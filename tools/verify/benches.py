@@ -41,6 +41,7 @@ def blocks():
     return [name for name in names if not name.endswith("pkg")]
 
 
+@cache
 def stage_of(block):
     path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
     return "core" if path.parent.name == "rtl" else path.parent.name
