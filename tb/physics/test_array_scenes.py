@@ -29,7 +29,9 @@ def test_the_scenes_are_there():
 
 @pytest.mark.parametrize("name", PADS + MATRICES)
 @pytest.mark.parametrize("engine", engines.NAMES)
-def test_run(tmp_path, name, engine):
+def test_run(tmp_path, name, engine, request):
+    if engine != "fixed":
+        request.getfixturevalue("no_pictures")
     scene = scenes.load(name)
     summary = run.run(scene, engine, tmp_path, seed=1)
     assert json.loads((tmp_path / "summary.json").read_text()) == summary
@@ -37,7 +39,7 @@ def test_run(tmp_path, name, engine):
     assert summary["twin_mismatches"] == (0 if engine == "rtl" else None)
     assert set(summary["modelled"]) | set(summary["left_out"]) == set(sensor(scene.sensor).COMPONENTS)
     assert summary["over_range"] == 0 and (summary["runs"], summary["seeds"]) == (1, [1, 1])
-    assert (tmp_path / f"{name}.png").stat().st_size > 30_000
+    assert engine != "fixed" or (tmp_path / f"{name}.png").stat().st_size > 30_000
     printed = run.tell(scene, summary)
     assert all(isinstance(line, str) for line in printed)
     if engine == "fixed" and name in PRINTED:

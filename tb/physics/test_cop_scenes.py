@@ -128,7 +128,9 @@ def test_the_data_are_asked_for_when_absent(monkeypatch):
 
 @pytest.mark.parametrize("name", ["walk_25x5", "plantar_step"])
 @pytest.mark.parametrize("engine", engines.NAMES)
-def test_run_an_array_scene(tmp_path, name, engine):
+def test_run_an_array_scene(tmp_path, name, engine, request):
+    if engine != "fixed":
+        request.getfixturevalue("no_pictures")
     scene = scenes.load(name)
     summary = run.run(scene, engine, tmp_path, seed=2)
     assert json.loads((tmp_path / "summary.json").read_text()) == summary
@@ -149,7 +151,7 @@ def test_run_an_array_scene(tmp_path, name, engine):
     of_load = np.abs(load * scene.load_lsb / recording.load[valid] - 1)
     assert summary["load_error"] == pytest.approx({"maximum": of_load.max(), "mean": of_load.mean()})
     assert summary["position_error"]["mean"] < 5e-4
-    assert (tmp_path / f"{name}.png").stat().st_size > 30_000
+    assert engine != "fixed" or (tmp_path / f"{name}.png").stat().st_size > 30_000
     assert "data:image/png" in (tmp_path / "report.html").read_text()
     assert all(isinstance(line, str) for line in run.tell(scene, summary))
 
