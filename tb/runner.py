@@ -95,6 +95,10 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         timescale=("1ns", "1ps"),
     )
 
+    # Workers may run tests of one build at the same time. cocotb's own name is that of a worker's first test.
+    asks = os.environ.get("PYTEST_CURRENT_TEST", "none").rsplit(" ", 1)[0]
+    results = hashlib.sha256(asks.encode()).hexdigest()[:12] + ".result.xml"
+
     def simulate(select, *plusargs):
         """Run the tests that ``select`` names; return the names of those that ran."""
         given = {
@@ -103,23 +107,24 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
             "build_dir": build_dir,
             "test_dir": build_dir,
             "test_filter": select,
+            "results_xml": build_dir / results,
             "plusargs": [*plusargs],
             "seed": SEED,
         }
         try:
-            results = plainly(runner.test, **given)
+            found = plainly(runner.test, **given)
         except SystemExit:
             runner.test(**given)  # again, to print the values that a failed assertion compared
             raise
-        return passed(results, name, *plusargs)
+        return passed(found, name, *plusargs)
 
     if POWERUPS:
         powerups(simulate, test_filter, int(hashlib.sha256(name.encode()).hexdigest()[:6], 16))
         return
     start = [ONES]
     if evidence:
-        asks = Path(os.environ["PYTEST_CURRENT_TEST"].split("::")[0])  # the test file pytest runs
-        folder = Path(evidence) / asks.stem.removeprefix("test_")
+        file = Path(asks.split("::")[0])  # the test file pytest runs
+        folder = Path(evidence) / file.stem.removeprefix("test_")
         folder.mkdir(parents=True, exist_ok=True)
         which = hashlib.sha256(f"{name} {test_filter}".encode()).hexdigest()[:12]
         # Start from zeros: a change from ones to the reset value would count as a toggle.

@@ -19,6 +19,7 @@ from cocotb_tools.runner import Verilator
 
 from meissner.builds import objcache, toolchain
 
+FEATURES = ("COVERAGE", "TIMING", "TRACE", "TRACE_FST", "TRACE_SAIF", "TRACE_VCD")
 SMALL = 200_000  # bytes; less code that runs once is compiled faster at -Og than as a separate unit
 
 
@@ -63,8 +64,7 @@ def _include():
 
 def _flags(says):
     """Compiler flags: the same for benches and engines, so that they share one runtime."""
-    features = ("COVERAGE", "TIMING", "TRACE", "TRACE_FST", "TRACE_SAIF", "TRACE_VCD")
-    defined = [f"-DVM_{each}={says[f'VM_{each}'][0]}" for each in features]
+    defined = [f"-DVM_{each}={says[f'VM_{each}'][0]}" for each in FEATURES]
     return ["-fPIC", f"-I{_include()}", f"-I{_include()}/vltstd", "-DVERILATOR=1", "-DVM_SC=0", *defined]
 
 
