@@ -1,6 +1,7 @@
 """Builds that `make test` leaves to `make test-long`, while it runs other builds of the same blocks. Coverage
 counts these builds too. Long tests of the tools that make evidence are listed with them."""
 
+import gc
 import os
 from pathlib import Path
 
@@ -145,6 +146,10 @@ def pytest_configure(config):
 
 def pytest_collection_finish(session):
     together.of_session[:] = session.items
+    # What was collected stays: looking through it for garbage would take a thirtieth of the tests' time.
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 20)
 
 
 def pytest_collection_modifyitems(items):

@@ -8,7 +8,6 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import cocotb
-import cocotb_tools.config
 import pytest
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
@@ -36,8 +35,6 @@ if cocotb.is_simulation and os.environ.get("MEISSNER_COCOTB") != "plain":
     quick.install()
 if recorder.FILE:
     recorder.install()
-for folder in ("libs_dir", "share_dir"):  # the runner writes these paths into a makefile
-    setattr(cocotb_tools.config, folder, toolchain.for_make(getattr(cocotb_tools.config, folder)))
 
 
 def passed(results, name, *plusargs):
@@ -58,6 +55,8 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     of those of rtl/rtl.f; ``include``: a folder with a header that they include; ``inside``: what the tests
     see below the top (units.py).
     """
+    from verify.benches import cocotb_for_make  # in tools/, which is not on a simulation's path
+
     parameters = parameters or {}
     if together.collecting(block, parameters, sources or include or inside):
         return
@@ -68,7 +67,9 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     sizes = [] if alone else together.group(block, parameters)
     top = f"{block}_side_by_side" if sizes else f"msn_{block}"
     of = f"-{(include or sources[-1].parent).name}" if sources else ""
-    name = name_of(module, block, sizes or [parameters]) + of
+    asks = os.environ.get("PYTEST_CURRENT_TEST", "none").rsplit(" ", 1)[0]
+    # Tests of several modules share a build of several sizes if one file runs them.
+    name = name_of(Path(asks.split("::")[0]).stem if sizes else module, block, sizes or [parameters]) + of
     build_dir = toolchain.folder_for_make(toolchain.BUILD / where / name)
     sources = sources or toolchain.sources_of(f"msn_{block}")
     # `make lint` checks for unused signals and parameters, in the sizes that are built.
@@ -81,6 +82,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
     sources = [toolchain.for_make(source) for source in sources]
     os.environ.update(toolchain.environment())
+    cocotb_for_make()
     if sizes:
         runner = together.Side(block, sizes, parameters)
     else:
@@ -96,7 +98,6 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     )
 
     # Workers may run tests of one build at the same time. cocotb's own name is that of a worker's first test.
-    asks = os.environ.get("PYTEST_CURRENT_TEST", "none").rsplit(" ", 1)[0]
     results = hashlib.sha256(asks.encode()).hexdigest()[:12] + ".result.xml"
 
     def simulate(select, *plusargs):

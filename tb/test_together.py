@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import together
+from verify import benches
 
 HERE = Path(__file__).parent
 
@@ -83,7 +83,7 @@ def session(tmp_path_factory):
     (folder / "pytest.ini").write_text("[pytest]\naddopts = --import-mode=importlib\n")
     (folder / "stage/test_sizes.py").write_text(FILE)
     # The simulator too imports the file, from the folder, and the benches' modules.
-    paths = [folder, HERE, *filter(None, [os.environ.get("PYTHONPATH")])]
+    paths = [folder, HERE, HERE.parent / "tools", *filter(None, [os.environ.get("PYTHONPATH")])]
     given = {
         "PYTHONPATH": os.pathsep.join(map(str, paths)),
         "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
@@ -127,7 +127,7 @@ def test_the_sizes_share_one_build(session):
 
 
 def test_the_text_of_a_top():
-    text = together.text_of("fifo", "both", [{"Depth": 4, "Width": 9}, {"Width": 3}])
+    text = benches.side_by_side("fifo", "both", [{"Depth": 4, "Width": 9}, {"Width": 3}])
     assert text == (
         "// verilator lint_off PINMISSING\n"
         "module both;\n"

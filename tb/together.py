@@ -34,15 +34,6 @@ of_session = []  # the tests that pytest will run (conftest.py)
 _asked = None  # while the calls of a test file are collected: [(block, parameters)]
 
 
-def text_of(block, top, sizes):
-    """Verilog of a ``top`` that holds the block in all these sizes, as u_0, u_1, ..."""
-    lines = ["// verilator lint_off PINMISSING", f"module {top};"]
-    for number, size in enumerate(sizes):
-        values = ", ".join(f".{name}({value})" for name, value in size.items())
-        lines.append(f"  msn_{block} #({values}) u_{number} ();")
-    return "\n".join([*lines, "endmodule", ""])
-
-
 def collecting(block, parameters, alone):
     """Whether this call only tells what it would build."""
     if _asked is not None and not alone:
@@ -105,11 +96,13 @@ class Side(Units):
         self.block, self.sizes, self.number = block, sizes, sizes.index(parameters)
 
     def build(self, sources, build_dir, **options):
+        from verify.benches import side_by_side  # in tools/, which is not on a simulation's path
+
         build_dir.mkdir(parents=True, exist_ok=True)
         with open(build_dir / "lock", "w") as lock:  # another worker may run other tests of this build
             fcntl.flock(lock, fcntl.LOCK_EX)
             top = build_dir / f"{options['hdl_toplevel']}.sv"
-            top.write_text(text_of(self.block, top.stem, self.sizes), "utf-8")
+            top.write_text(side_by_side(self.block, top.stem, self.sizes), "utf-8")
             # All instances share one function for each domain; GCC's time grows faster than its size.
             options["build_args"] = [*options["build_args"], "--output-split-cfuncs", "50"]
             super().build(sources=[*sources, top], build_dir=build_dir, **options)

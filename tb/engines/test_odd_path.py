@@ -32,6 +32,10 @@ def test_the_rtl_engine_runs_there(tmp_path, cache):
         shutil.copytree(toolchain.ROOT / name, checkout / name, ignore=shutil.ignore_patterns("__pycache__"))
     # An environment inside the checkout, so that Python's package path has the space too.
     (checkout / ".venv").symlink_to(sys.prefix)
+    # The runtime's objects by the path with the space, but compiled only once for all tests.
+    (toolchain.BUILD / "objects").mkdir(parents=True, exist_ok=True)
+    (checkout / "build").mkdir()
+    (checkout / "build/objects").symlink_to(toolchain.BUILD / "objects")
     frame = np.zeros((1, 2, 3), np.uint16)
     frame[0, 1] = [7, 0, 21]  # x = 1/2, y at the lower edge
     np.save(checkout / "in.npy", frame)

@@ -16,7 +16,8 @@ from meissner.fit_rubber import STEPS, Steps, fit, read, steps_of
 
 K0, K1, N = 1.31, -0.19, 0.17
 RESTS, SPEEDS = (1.6, 2.5, 3.7), (0.013, 0.07, 0.4, 1.1, 2.9)
-RATE = 2000
+RATE = 500
+STEP_RATE = 2000  # of recordings of one step
 
 
 def steps(k0=K0, k1=K1, n=N, rests=RESTS, speeds=SPEEDS, share=lambda: 1.0):
@@ -203,18 +204,18 @@ def put(name, row, value):
 
 
 REST = round(0.25 * RATE)  # in samples
-SECOND = REST + round(0.2 / 0.013 * RATE)  # the first of the second rest, at 15.6345 s
+SECOND = REST + round(0.2 / 0.013 * RATE)  # the first of the second rest, at 15.634 s
 BAD = {
     "no volts": (of_recording(lambda c: c.pop("volts")), "has no column volts"),
     "no speed of steps": ((of_steps()[0][:2], of_steps()[1][:2]), "has no column speed_mm_s"),
     "NaN": (of_recording(put("volts", 70, np.nan)), "volts is nan in row 71; it must be finite"),
     "infinity": (of_recording(put("time_s", 4, np.inf)), "time_s is inf in row 5"),
     "unsorted": (of_recording(put("time_s", 9, 0.0)), "time_s must rise from row to row; row 10 has 0 s"),
-    "twice the same time": (of_recording(put("time_s", 9, 8 / RATE)), "row 10 has 0.004 s"),
+    "twice the same time": (of_recording(put("time_s", 9, 8 / RATE)), "row 10 has 0.016 s"),
     "no shear": (of_recording(lambda c: c["speed_mm_s"].fill(0)), "speed_mm_s is 0 throughout"),
     "no rest": (
         of_recording(put("speed_mm_s", slice(SECOND, SECOND + REST), 0.5)),
-        "step 2, from 15.6345 s on: there is no rest before it",
+        "step 2, from 15.634 s on: there is no rest before it",
     ),
     "begins moving": (
         of_recording(put("speed_mm_s", slice(0, 9), 0.5)),
@@ -289,9 +290,9 @@ def test_files_that_are_none(tmp_path):
 
 
 def one_step(count, speed=0.5, rest=600, drift=0.0):
-    time_s = np.arange(rest + count) / RATE
-    volts = np.where(time_s < rest / RATE, 2.0 + drift * time_s, 2.5)
-    return time_s, volts, np.where(time_s < rest / RATE, 0.0, speed)
+    time_s = np.arange(rest + count) / STEP_RATE
+    volts = np.where(time_s < rest / STEP_RATE, 2.0 + drift * time_s, 2.5)
+    return time_s, volts, np.where(time_s < rest / STEP_RATE, 0.0, speed)
 
 
 def test_a_step_must_be_whole():

@@ -27,12 +27,21 @@ bench.run = _run
 
 
 def cocotb_for_make():
-    """Let cocotb's runner write its own folders into makefiles as make can read them, as tb/runner.py does:
-    without this, the second build in a checkout whose path has a space fails."""
+    """Let cocotb's runner write its own folders into makefiles as make can read them: without this, the
+    second build in a checkout whose path has a space fails."""
     import cocotb_tools.config as config
 
     for folder in ("libs_dir", "share_dir"):
         setattr(config, folder, toolchain.for_make(getattr(config, folder)))
+
+
+def side_by_side(block, top, sizes):
+    """Verilog of a ``top`` without ports that holds the block in all these sizes, as u_0, u_1, ..."""
+    lines = ["// verilator lint_off PINMISSING", f"module {top};"]
+    for number, size in enumerate(sizes):
+        values = ", ".join(f".{name}({value})" for name, value in size.items())
+        lines.append(f"  msn_{block} #({values}) u_{number} ();")
+    return "\n".join([*lines, "endmodule", ""])
 
 
 def blocks():

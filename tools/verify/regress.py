@@ -52,11 +52,7 @@ def build(block, given):
     """The folder of a build with the block in each of these sizes; the instances are u_0, u_1, ..."""
     from cocotb_tools.runner import get_runner
 
-    cells = []
-    for n, size in enumerate(given):
-        values = ", ".join(f".{name}({value})" for name, value in size.items())
-        cells.append(f"  msn_{block} #({values}) u_{n} ();")
-    text = "\n".join([f"module {TOP};", *cells, "endmodule", ""])
+    text = benches.side_by_side(block, TOP, given)
     sources = toolchain.sources_of(f"msn_{block}")
     digest = hashlib.sha256(text.encode() + b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]
     folder = toolchain.folder_for_make(WORK / f"{block}-{digest}")
