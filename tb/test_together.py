@@ -49,21 +49,31 @@ async def is_alone(dut):
 async def compares(dut):
     assert dut.Depth.value.to_unsigned() != 3
 
-@bench.applies(lambda dut: dut.Depth.value.to_unsigned() == 4)
+@bench.applies(lambda dut: hasattr(dut, "Depth") and dut.Depth.value.to_unsigned() == 4)
 @cocotb.test()
 async def crashes(dut):
     os._exit(7)
 
-@bench.applies(lambda dut: dut.Depth.value.to_unsigned() == 6)
+@bench.applies(lambda dut: hasattr(dut, "Depth") and dut.Depth.value.to_unsigned() == 6)
 @cocotb.test()
 async def never(dut):
     raise AssertionError("a test that the filter leaves out")
+
+@bench.applies(lambda dut: not hasattr(dut, "Depth"))
+@cocotb.test()
+async def is_another_block(dut):
+    with open(os.environ["TOLD"], "a") as file:
+        print("sync", dut.Width.value.to_unsigned(), file=file)
 
 @pytest.mark.parametrize("depth", [6, 4, 3, 2, 1, 4])
 def test_sizes(depth):
     assert depth > 0
     size = {"Depth": depth, "Width": 7 + depth}
     bench.run("stage", "delay", size, "is_alone|compares|crashes", "test_sizes")
+
+@pytest.mark.parametrize("width", [3, 2])
+def test_other(width):
+    bench.run("stage", "sync", {"Width": width}, "is_another_block", "test_sizes")
 
 def test_with_a_fixture(tmp_path):
     bench.run("stage", "delay", {"Depth": 5, "Width": 20}, "is_alone", "test_sizes")
@@ -98,7 +108,8 @@ def test_every_size_is_simulated_as_if_it_were_alone(session):
     """Depth, width, power-up value and delay of each run, in the order of the tests; a test that failed runs
     again, to print what it compared. Registers start as ones."""
     sizes = {6: 13, 4: 11, 3: 10, 2: 9, 1: 8, 5: 20}
-    assert session[1] == [f"{n} {sizes[n]} {'1' * sizes[n]} {n}" for n in (6, 4, 3, 3, 2, 1, 4, 5)]
+    expected = [f"{n} {sizes[n]} {'1' * sizes[n]} {n}" for n in (6, 4, 3, 3, 2, 1, 4, 5)]
+    assert session[1] == [*expected[:-1], "sync 3", "sync 2", expected[-1]]
 
 
 def test_a_failure_is_that_of_its_size_alone(session):
@@ -112,6 +123,8 @@ def test_a_failure_is_that_of_its_size_alone(session):
         "test_sizes[2]": "PASSED",
         "test_sizes[1]": "PASSED",
         "test_sizes[4_1]": "FAILED",
+        "test_other[3]": "PASSED",
+        "test_other[2]": "PASSED",
         "test_with_a_fixture": "PASSED",
         "test_that_fails_before_it_builds": "FAILED",
     }
