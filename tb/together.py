@@ -147,7 +147,7 @@ class Server:
             cls.last = None
 
     def run(self, env):
-        """Run what ``env`` says; return the exit status, or None if the simulator is gone."""
+        """Run what ``env`` says; return the exit status, or "no answer" if the simulator is gone."""
         try:
             self.lines.write(json.dumps(env) + "\n")
             self.lines.flush()
