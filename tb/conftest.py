@@ -152,6 +152,10 @@ def pytest_collection_finish(session):
     gc.set_threshold(100_000, 20, 20)
 
 
+def pytest_unconfigure():
+    gc.unfreeze()  # pyslang reports what exists after the last collection as leaks, on a hundred lines
+
+
 def pytest_collection_modifyitems(items):
     left, files = set(BIG), {item.nodeid.split("::")[0] for item in items}
     for item in items:

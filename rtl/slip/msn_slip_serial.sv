@@ -180,8 +180,7 @@ module msn_slip_serial #(
   assign detail = rest(even, odd, detail_borrow);
   always_ff @(posedge clk_i) detail_borrow <= !restart && greater(odd, even, detail_borrow);
 
-  // The window's maximum and minimum, and the timer; not in one memory, because for a write enable of each bit Yosys
-  // packs several words into a row and selects with tables.
+  // In two memories: for a write enable of each bit Yosys would pack words into a row and select with tables.
   logic [Digit-1:0] high, low, new_high, new_low, count, next_count;
   (* no_rw_check, ram_style = "block" *) logic [2*Digit-1:0] extremes_memory [Steps];
   (* no_rw_check, ram_style = "block" *) logic [Digit-1:0] timer_memory [Steps];
@@ -225,8 +224,8 @@ module msn_slip_serial #(
     if (second) p2p_q <= {p2p, p2p_q[Width-1:Digit]};
   end
 
-  // The timer counts up from minus a register's value: it runs while it is negative. It is loaded, or counts 1, in
-  // pass 1 of the next detail. One time runs in a state: hold in slips and Release, blank or refractory in Contact.
+  // The timer counts up from minus a register's value and runs while its sign is set (not a bit above, which may be
+  // upset). It is loaded, or counts 1, in pass 1: hold in slips and Release, blank or refractory in Contact.
   logic             running, tick_carry, load, next_load, blanking, next_blanking;
   logic [Digit-1:0] load_digit;
   assign next_count = load ? load_digit : rest(count, '1, !tick_carry);
@@ -235,7 +234,6 @@ module msn_slip_serial #(
                   : blanking ? digit('0 - Width'(cfg_blank_i), next_digit)
                   : digit('0 - Width'(cfg_refractory_i), next_digit);
     tick_carry <= idle ? running : (tick_carry && &count);
-    // Its own sign: bits above it may have been upset.
     if (complete && !idle && at == (StepBits+1)'(TimerBits / Digit)) running <= next_count[TimerBits%Digit];
   end
 
@@ -287,11 +285,13 @@ module msn_slip_serial #(
   end
 
 `ifndef SYNTHESIS
-  // The memories do not define what they answer while the same word is written.
+  // The memories do not define what they answer while the same word is written. Not checked before the first reset.
   // verilator coverage_off
-  always_ff @(posedge clk_i) begin
-    // Not as an assertion: before a reset a simulator of four states compares unknown bits.
-    if (!idle && !finish && !rst_i && at[StepBits-1:0] == next_digit)
+  logic begun;
+  initial begun = 1'b0;
+  always @(posedge clk_i) begin
+    if (rst_i) begun <= 1'b1;
+    if (begun && !idle && !finish && !rst_i && at[StepBits-1:0] == next_digit)
       $fatal(1, "msn_slip_serial: word %0d is read and written in one clock", next_digit);
   end
   // verilator coverage_on

@@ -1,5 +1,5 @@
 """msn_width_converter against its model: full and partly filled last beats, gaps and stalls,
-frames cut short, reset."""
+frames cut short, marks of rows in any place, reset."""
 
 import cocotb
 import numpy as np
@@ -42,6 +42,27 @@ async def matches_model(dut, gap, stall):
     await bench.start(dut)
     frames = [beat for _ in range(4) for beat in frame(rng, *shape(dut))]
     await check(dut, frames, gap, stall)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def the_mark_tells_how_many_lanes_are_used(dut):
+    """A frame whose rows have 1 2 0 0 3 0 beats without the mark before the one that has it."""
+    _, columns, lanes, bits = shape(dut)
+    used = columns % lanes or lanes
+    await bench.start(dut)
+    beats, expected = [], []
+    for unmarked in (1, 2, 0, 0, 3, 0):
+        for row_last in [0] * unmarked + [1]:
+            values = [(37 * len(beats) + 5 * lane + 1) % (1 << bits) for lane in range(lanes)]
+            beats.append({"data": bench.lane_word(values, bits), "row_last": row_last, "last": 0})
+            expected += values[:used] if row_last else values
+    beats[-1]["last"] = 1
+    got = await bench.stream(dut, beats, FIELDS)
+    last = len(expected) - 1
+    ids = 1 << len(dut.out_id_o)
+    assert [tuple(row[name] for name in FIELDS) for row in got] == [
+        (value, place % ids, int(place == last)) for place, value in enumerate(expected)
+    ]
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")

@@ -371,6 +371,7 @@ def test_tags():
 )
 def test_channels_of_a_stream(parameters):
     bench.run("slip", "channels", {"Adc": 0} | parameters, module="test_slip_path")
+    bench.run("slip", "channels", {"Adc": 0} | parameters, module="no_converter")
 
 
 def test_refuses_a_mask_of_a_converters_samples():

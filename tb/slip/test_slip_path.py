@@ -103,19 +103,6 @@ def any_settings(rng, run, dut):
     return sign * x - (sign < 0), moving, SlipConfig(window, hop, level, contact_rises=rises, **registers)
 
 
-@bench.applies(lambda dut: hasattr(dut, "adc_cs_n_o"))  # msn_channels of a stream
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-async def a_converter_that_is_not_there_rests(dut):
-    """CS is high, the other pins are low, and any clock may be a convert start."""
-    pins = ("cs_n", "sclk", "mosi", "convst", "reset")
-    await bench.start(dut, cfg_adc_enable_i=1, cfg_adc_period_i=5, adc_miso_i=1, adc_busy_i=1)
-    for _ in range(20):
-        await bench.ReadOnly()
-        assert [bench.read(getattr(dut, f"adc_{pin}_o")) for pin in pins] == [1, 0, 0, 0, 0]
-        assert bench.read(dut.convert_o) == 1
-        await bench.RisingEdge(dut.clk_i)
-
-
 # The serial path has its own test: tb/slip/test_slip_serial.py.
 @bench.applies(lambda dut: parameters(dut)[0] <= 100 and not dut.Serial.value.to_unsigned())
 @cocotb.test(timeout_time=20, timeout_unit="ms")

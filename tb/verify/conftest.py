@@ -10,11 +10,6 @@ from verify import revision
 FOLDERS = ("rtl", "tb", "model", "tools", "requirements", "constraints")
 
 
-def forget():
-    for known in (revision.digest, toolchain.sources_of):
-        known.cache_clear()
-
-
 @pytest.fixture
 def change(tmp_path, monkeypatch):
     """A function that replaces ``text`` by ``other`` in a file of a copy of the sources; digests are those of
@@ -23,14 +18,14 @@ def change(tmp_path, monkeypatch):
         without = shutil.ignore_patterns("__pycache__")
         shutil.copytree(toolchain.ROOT / folder, tmp_path / folder, ignore=without)
     monkeypatch.setattr(toolchain, "ROOT", tmp_path)
-    forget()
+    revision.forget()
 
     def changed(file, text, other):
         path = tmp_path / file
         before = path.read_text("utf-8")
         assert text in before
         path.write_text(before.replace(text, other), "utf-8")
-        forget()
+        revision.forget()
 
     yield changed
-    forget()
+    revision.forget()

@@ -55,6 +55,14 @@ def declarations(text):
     return found
 
 
+@cache
+def _named(name, user):
+    """The names of package ``name`` in the text ``user``; None if it imports from it."""
+    if re.search(rf"\bimport\s+{name}\b", user):
+        return None
+    return re.findall(rf"\b{name}::(\w+)", user)
+
+
 def used(name, text, users):
     """The declarations of package ``name`` that the texts ``users`` name, with those that they need, in
     order; all of ``text`` if it has a declaration of unknown kind or a user imports from it."""
@@ -62,9 +70,10 @@ def used(name, text, users):
         known = declarations(text)
     except Unknown:
         return text
-    if any(re.search(rf"\bimport\s+{name}\b", user) for user in users):
+    named = [_named(name, user) for user in users]
+    if None in named:
         return text
-    wanted = {word for user in users for word in re.findall(rf"\b{name}::(\w+)", user)}
+    wanted = {word for words in named for word in words}
     needed, waiting = set(), [word for word in wanted if word in known]
     while waiting:
         word = waiting.pop()

@@ -6,9 +6,11 @@ state for other kinds do not count.
 
 import ast
 import hashlib
+import os
 import re
 import tomllib
 from functools import cache
+from pathlib import Path
 
 from meissner.builds import toolchain
 from meissner.builds.yowasp import INSTEAD
@@ -100,13 +102,14 @@ def _imported(text):
 
 def imports(path):
     """Files of tb/ that a test imports, directly or indirectly: shared code of benches, parts, references."""
-    found, waiting = set(), [path]
+    found, waiting, tests = set(), [str(path)], f"{toolchain.ROOT}/tb/"
     while waiting:
-        names = _imported(waiting.pop().read_text("utf-8"))
-        files = {toolchain.ROOT / "tb" / (name.replace(".", "/") + ".py") for name in names}
-        waiting += [file for file in files - found if file.exists()]
-        found |= {*waiting}
-    return found - {path}
+        names = _imported(Path(waiting.pop()).read_text("utf-8"))
+        files = {tests + name.replace(".", "/") + ".py" for name in names}
+        new = {file for file in files - found if os.path.exists(file)}
+        waiting += new
+        found |= new
+    return {Path(file) for file in found} - {path}
 
 
 def _versions(kind):
@@ -138,6 +141,7 @@ def _waivers(block):
     return [repr(own), *([_plain(points)] if points.exists() else [])]
 
 
+@cache
 def _bench(block):
     test = evidence.path_of(block)
     twin = toolchain.ROOT / f"model/meissner/twins/{test.parent.name}/{block}.py"
@@ -145,6 +149,12 @@ def _bench(block):
         return []
     files = [test, *sorted(imports(test)), *([twin] if twin.exists() else [])]
     return [_plain(path) for path in files]
+
+
+def forget():
+    """Read files again: they have changed since the last digest."""
+    for known in (digest, _bench, toolchain.sources_of):
+        known.cache_clear()
 
 
 def _hashed(parts):
