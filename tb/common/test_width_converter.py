@@ -66,7 +66,7 @@ async def the_mark_tells_how_many_lanes_are_used(dut):
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
-async def starts_anew_after_a_short_frame_and_a_reset(dut):
+async def starts_again_after_a_short_frame_and_a_reset(dut):
     rng = np.random.default_rng(bench.SEED)
     await bench.start(dut)
     await check(dut, frame(rng, *shape(dut), beats=1) + frame(rng, *shape(dut)))

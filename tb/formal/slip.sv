@@ -66,7 +66,7 @@ module formal_slip #(
   always_comb if (started) assume (cfg == cfg_q);
 
   // 1: the comparisons of a detail.
-  logic                  seen, pressed, lifted, over, gross, keeps, moving, anew, mask, last, end_q, stalled;
+  logic                  seen, pressed, lifted, over, gross, keeps, moving, restart, mask, last, end_q, stalled;
   logic [DetailBits-1:0] p2p;
   logic [IdBits-1:0]     id;
   logic                  high_enough, low_enough;
@@ -83,7 +83,7 @@ module formal_slip #(
       gross   <= in_p2p_i > cfg_gross_threshold_i;
       keeps   <= in_p2p_i > cfg_keep_threshold_i;
       moving  <= actuator_moving_i;
-      anew    <= in_restart_i;
+      restart <= in_restart_i;
       p2p     <= in_p2p_i;
       id      <= at;
       last    <= in_last_i;
@@ -103,7 +103,7 @@ module formal_slip #(
   logic                 waits, step, mine, slipping, act;
   assign step     = seen && in_ready_o;
   assign mine     = step && id == watch_i;
-  assign was      = (anew || mask) ? None : state;
+  assign was      = (restart || mask) ? None : state;
   assign slipping = was == Incipient || was == Gross;
   assign limit    = was != Contact ? cfg_hold_i : fresh ? cfg_blank_i : cfg_refractory_i;
   assign waits    = since < CountBits'(limit);
@@ -226,7 +226,7 @@ module formal_slip #(
   logic [IdBits-1:0] next_id;  // of the next step
   assign next_id = seen ? id : at;
   logic early, early_first;
-  assign early_first = first || (seen && anew && early);
+  assign early_first = first || (seen && restart && early);
   always_ff @(posedge clk_i) begin
     if (step && last) early <= 1'b0;
     if (rst_i) early <= 1'b1;
@@ -237,12 +237,12 @@ module formal_slip #(
       if (seen) begin
         assert (dut.pressed == (pressed && !mask) && dut.lifted == lifted && dut.over == (over && !mask));
         assert (dut.kept == ((over || keeps) && !mask));
-        assert (dut.gross == gross && dut.moving == moving && dut.restart == (anew || mask));
+        assert (dut.gross == gross && dut.moving == moving && dut.restart == (restart || mask));
         assert (dut.seen_p2p == p2p && dut.seen_id == id && dut.seen_last == last && dut.seen_end == end_q);
         assert (32'(id) < Channels && last == (32'(id) == Channels - 1));
         assert (at == (last ? '0 : id + 1'b1));
-        if (!last) assert (again == anew);
-        if (early) assert (anew && first == !last);
+        if (!last) assert (again == restart);
+        if (early) assert (restart && first == !last);
         else assert (!first);
       end else assert (early == first);
       assert (dut.load_hold == -CountBits'(cfg_hold_i) && dut.load_blank == -CountBits'(cfg_blank_i));

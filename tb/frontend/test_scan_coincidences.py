@@ -97,7 +97,7 @@ async def begin(dut):
     await bench.start(dut, now_i=0, in_data_i=0, in_lost_i=0, **idle)
 
 
-async def anew(dut, **given):
+async def again(dut, **given):
     dut.cfg_enable_i.value = dut.in_valid_i.value = dut.in_lost_i.value = 0
     await bench.reset(dut)
     await bench.clocks(dut, 5)
@@ -111,7 +111,7 @@ async def a_frames_end_around_the_next_trigger(dut):
     around that clock, with the number and the time of its own frame."""
     await begin(dut)
     for delay in range(1, SLOT - BEATS + 1):
-        scene = await anew(dut, delay=delay)
+        scene = await again(dut, delay=delay)
         got = await scene.run(150)
         assert got == frames()[: len(got)], delay
         came = [at + delay + channel for at in scene.triggers for channel in range(BEATS)]
@@ -134,7 +134,7 @@ async def a_consumer_wakes_around_the_next_frames_first_beat(dut):
         # Awake from 6 clocks before on, where the last of these clocks takes the frame's last beat; or asleep
         # only for that beat, which is offered in clock 36.
         asleep = range(36, last) if one else range(last - 5)
-        scene = await anew(dut, delay=delay, ready=lambda clock, asleep=asleep: int(clock not in asleep))
+        scene = await again(dut, delay=delay, ready=lambda clock, asleep=asleep: int(clock not in asleep))
         got = await scene.run(220)
         kept = last < first
         due = frames(*([] if kept else [1]))
@@ -155,18 +155,18 @@ async def a_lost_strobe_around_the_other_samples(dut):
     for lanes in ((0,), (1,), (0, 1)):
         for at in range(1, latest + 1):
             lost = {(3, lane): at for lane in lanes}
-            scene = await anew(dut, delay=latest + 1 if len(lanes) == 1 else 2, lost=lost)
+            scene = await again(dut, delay=latest + 1 if len(lanes) == 1 else 2, lost=lost)
             got = await scene.run(170)
             due = [*frame(0, 0), *frame(1, 2, {3: lanes}), *frame(2, 4)]
             assert got[: len(due)] == due, (lanes, at)
             assert bench.read(dut.lost_o) == 1 and bench.read(dut.dropped_o) == 0
     for one, other in ((3, 9), (9, 3), (8, 9)):  # both lanes of one conversion, one after the other
-        scene = await anew(dut, lost={(3, 0): one, (3, 1): other})
+        scene = await again(dut, lost={(3, 0): one, (3, 1): other})
         got = await scene.run(170)
         due = [*frame(0, 0), *frame(1, 2, {3: (0, 1)}), *frame(2, 4)]
         assert got[: len(due)] == due and bench.read(dut.lost_o) == 1
     for one, other in ((1, 2), (2, 1), (4, 9)):  # one lane each, in two consecutive conversions
-        scene = await anew(dut, delay=latest + 1, lost={(1, 0): one, (2, 1): other})
+        scene = await again(dut, delay=latest + 1, lost={(1, 0): one, (2, 1): other})
         got = await scene.run(170)
         due = [*frame(0, 0, {1: (0,)}), *frame(1, 2, {2: (1,)}), *frame(2, 4)]
         assert got[: len(due)] == due and bench.read(dut.lost_o) == 2
@@ -179,7 +179,7 @@ async def enable_falls_around_triggers(dut):
     clock of the next frame's first switch."""
     await begin(dut)
     for enabled in range(45, 95):  # frame 1's first switch is in clock 44, frame 2's in 84
-        scene = await anew(dut, enabled=enabled)
+        scene = await again(dut, enabled=enabled)
         got = await scene.run(180)
         due = [*frame(0, 0), *frame(1, 2), *(frame(2, 4) if enabled > 84 else [])]
         assert got == due and len(scene.triggers) == len(due) // BEATS, enabled
@@ -192,9 +192,9 @@ async def a_reset_in_every_clock_of_a_frame(dut):
     """Nothing of it leaves afterwards; the frames after it are complete, from number 0 on."""
     await begin(dut)
     for cut in range(TRIGGER + SLOT, TRIGGER + 3 * SLOT + 4):
-        scene = await anew(dut, ready=lambda clock: clock % 5 != 0)
+        scene = await again(dut, ready=lambda clock: clock % 5 != 0)
         await scene.run(cut)
-        scene = await anew(dut)
+        scene = await again(dut)
         got = await scene.run(100)
         assert got == frames()[: len(got)] and len(got) >= 11, cut
         assert bench.read(dut.lost_o) == bench.read(dut.dropped_o) == 0

@@ -158,7 +158,7 @@ async def begin(dut):
     await bench.start(dut, statistics_i=bench.lane_word(STATISTICS, 32), **inputs)
 
 
-async def anew(dut):
+async def again(dut):
     await bench.reset(dut)
     return Talk(dut)
 
@@ -174,7 +174,7 @@ async def two_sources_ask_in_one_clock(dut):
     await begin(dut)
     for one, other in itertools.combinations(TYPES, 2):
         for shift in range(-1, 2) if "statistic" in (one, other) else range(-3, 4):
-            talk = await anew(dut)
+            talk = await again(dut)
             # Statistics request once in PERIOD clocks; the other source requests around that clock.
             still, moved = (one, other) if one == "statistic" else (other, one)
             base = PERIOD if still == "statistic" else 20
@@ -198,7 +198,7 @@ async def all_of_them_wait_while_a_packet_leaves(dut):
     """In the order of the docs, whichever requested first."""
     await begin(dut)
     for order in (list(TYPES), list(TYPES)[::-1], ["image", "cop", "slip", "health", "answer"]):
-        talk = await anew(dut)
+        talk = await again(dut)
         talk.ask("cop", PERIOD - 40, number=7)
         for place, kind in enumerate(order):
             if kind != "statistic":
@@ -216,14 +216,14 @@ async def a_cop_and_a_report_as_the_one_before_is_taken(dut):
     it."""
     await begin(dut)
     for later in range(1, 6):
-        talk = await anew(dut)
+        talk = await again(dut)
         talk.ask("cop", 10, number=1)
         talk.ask("cop", 10 + later, number=2)
         await talk.run(20)
         await talk.until_still()
         assert talk.kinds() == ([("cop", 1), ("cop", 2)] if later > 1 else [("cop", 2)])
         assert bench.read(dut.cop_dropped_o) == int(later == 1)
-        talk = await anew(dut)
+        talk = await again(dut)
         talk.ask("health", 10, number=1)
         talk.ask("health", 10 + later, number=2)
         await talk.run(20)
@@ -238,14 +238,14 @@ async def a_cop_and_a_report_as_the_one_before_is_taken(dut):
 async def an_event_at_every_clock_around_a_packets_end(dut):
     """Both it and the packet that is leaving are complete: neither is lost, doubled or changed."""
     await begin(dut)
-    talk = await anew(dut)
+    talk = await again(dut)
     talk.ask("slip", 5, number=1)
     await talk.run(6)
     await talk.until_still()
     end = talk.starts[0] + 4 * (len(talk.packets[0]) - 1)  # clock of the last byte, if the line is free
     for kind in ("slip", "cop", "answer", "health"):
         for shift in range(-9, 8):
-            talk = await anew(dut)
+            talk = await again(dut)
             talk.ask("slip", 5, number=1)
             talk.ask(kind, end + shift, number=2)
             await talk.run(end + shift + 1)
@@ -261,7 +261,7 @@ async def the_queue_exactly_full_and_empty(dut):
     that leaves makes room for one. Then all leave, in order and once; the same again after 60 clocks without
     events."""
     await begin(dut)
-    talk = await anew(dut)
+    talk = await again(dut)
     number = 0
 
     async def offer(ready):

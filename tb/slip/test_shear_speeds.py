@@ -26,6 +26,7 @@ HAND |= {"still": 700, "full": 4000, "limit": 3 << 20, "travel": 0, "hold": 0, "
 OF_LOOP = ("k0", "k1", "exponent", "vi_min", "vi_max", "noise", "still", "full", "limit", "travel")
 WINDOW, REST, TOP = 64, 8, (1 << 24) - 1  # the largest speed
 REGISTERS = {name: members.PLACES["shear_speed_cfg"][name] for name in OF_LOOP}  # (place, bits)
+VALID = members.PLACES["shear"]["valid"][0]
 GRIP_BITS = sum(bits for _, bits in members.PLACES["grip_status"].values())
 
 
@@ -87,6 +88,8 @@ class Stage:
             **{"cfg_i": self.word(), "actuator_moving_i": 0, "grip_valid_i": 0, "grip_i": 0},
             **{"in_valid_i": 0, "in_data_i": 0, "in_id_i": 0, "in_last_i": 0, "out_ready_i": 1},
         )
+        names = "in_valid_i in_id_i in_data_i in_last_i out_ready_i grip_valid_i grip_i"
+        self.puts = [bench.putter(getattr(self.dut, name)) for name in names.split()]
 
     def word(self):
         return members.word("shear_speed_cfg", self.settings)
@@ -105,17 +108,17 @@ class Stage:
 
     async def clock(self, sample=None, last=False, command=None, ready=True):
         dut = self.dut
-        dut.in_valid_i.value = sample is not None
-        dut.in_id_i.value, dut.in_data_i.value = sample or (0, 0x5555)
-        dut.in_last_i.value, dut.out_ready_i.value = int(last), int(ready)
-        dut.grip_valid_i.value = command is not None
-        dut.grip_i.value = self.beside if command is None else self.grip(command)
+        id_, code = sample or (0, 0x5555)
+        grip = self.beside if command is None else self.grip(command)
+        values = (sample is not None, id_, code, last, ready, command is not None, grip)
+        for put, value in zip(self.puts, values):
+            put(int(value))
         await ReadOnly()
-        told = members.of("shear", bench.read(dut.report_o))
+        report = bench.read(dut.report_o)
         taken = sample is not None and bench.high(dut.in_ready_o)
         assert bench.high(dut.out_valid_o) == (sample is not None and (taken or not ready))
         await RisingEdge(dut.clk_i)
-        return (told if told["valid"] else None), taken
+        return (members.of("shear", report) if report >> VALID & 1 else None), taken
 
     async def send(self, id_, code, last, gap=0, ready=lambda: True):
         """Offer one sample until it is taken, then wait ``gap`` clocks; return the reports of that time."""

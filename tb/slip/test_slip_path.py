@@ -194,7 +194,7 @@ async def decides_at_most_8_clocks_after_the_pair(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(frames=[36, 37], lost=["first", "middle"])
-async def starts_anew_after_a_damaged_frame(dut, frames, lost):
+async def starts_again_after_a_damaged_frame(dut, frames, lost):
     """A lost sample is counted as damage; from the next complete frame on, results are as after a reset.
 
     The damaged frame is the even or the odd one of a pair; the results of earlier frames are not checked.

@@ -246,7 +246,7 @@ async def moving_is_that_of_the_clock_that_takes_a_sample(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
-async def starts_anew_after_damage(dut, stall_rate):
+async def starts_again_after_damage(dut, stall_rate):
     """Samples with another id and lost or late `last`, singly and in runs."""
     twin = usual(dut)
     await bench.start(dut, actuator_moving_i=0)
