@@ -8,8 +8,7 @@ BEGUN  := .venv/.begun
 SYNTH  := .venv/.synth
 FORMAL := .venv/.formal
 RTL    := $(shell cat rtl/rtl.f)
-# Without bytecode of every module: Python makes that of the modules it imports.
-PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
+PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
 # The sources are UTF-8, whatever the user's locale.
 export PYTHONUTF8 := 1

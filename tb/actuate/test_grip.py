@@ -17,6 +17,7 @@ NAMES = ("period", "step", "speed_gain", "decay", "minimum", "maximum", "rate", 
 NAMES += ("immediate", "override", "override_value", "boost")
 QUIET = {"over_valid_i": 0, "over_id_i": 0, "over_i": 0, "over_end_i": 1, "speed_valid_i": 0, "speed_id_i": 0}
 QUIET |= {"speed_ok_i": 1, "speed_i": 0}
+PUTS = []  # functions that write the inputs of QUIET, in its order, and healthy_i
 HAND = {"period": 20, "step": 7, "speed_gain": 0, "decay": 3, "minimum": 30, "maximum": 100, "rate": 11}
 HAND |= {"watchdog": 4, "rule": 0, "mode": 0, "immediate": 0, "override": 0, "override_value": 0, "boost": 0}
 
@@ -36,18 +37,17 @@ async def begin(dut, **settings):
     everyone = (1 << sizes(dut)[0]) - 1
     inputs = {f"cfg_{name}_i": int(value) for name, value in settings.items()}
     await bench.start(dut, healthy_i=everyone, **QUIET, **inputs)
+    PUTS[:] = [bench.putter(getattr(dut, name)) for name in (*QUIET, "healthy_i")]
 
 
 async def clock(dut, decision=None, speed=None, healthy=None):
     """Run one clock with these inputs; return the outputs in it."""
-    finger, over, end = decision or (0, 1, 1)  # must not be read without valid
-    dut.over_valid_i.value = decision is not None
-    dut.over_id_i.value, dut.over_i.value, dut.over_end_i.value = finger, int(over), int(end)
-    finger, ok, value = speed or (0, 1, 1)
-    dut.speed_valid_i.value = speed is not None
-    dut.speed_id_i.value, dut.speed_ok_i.value, dut.speed_i.value = finger, int(ok), value
+    slip = decision or (0, 1, 1)  # must not be read without valid
+    values = [decision is not None, *slip, speed is not None, *(speed or (0, 1, 1))]
     if healthy is not None:
-        dut.healthy_i.value = sum(well << finger for finger, well in enumerate(healthy))
+        values.append(sum(well << finger for finger, well in enumerate(healthy)))
+    for put, value in zip(PUTS, values):
+        put(int(value))
     await bench.ReadOnly()
     got = outputs(dut)
     await bench.RisingEdge(dut.clk_i)
@@ -55,11 +55,15 @@ async def clock(dut, decision=None, speed=None, healthy=None):
 
 
 def outputs(dut):
-    found = {name: bench.read(getattr(dut, f"out_{name}_o")) for name in ("valid", "command")}
-    for name in ("word", "increment"):
-        port = getattr(dut, f"out_{name}_o")
-        found[name] = bench.as_signed(bench.read(port), len(port))
-    return found | {"fault": bench.read(dut.fault_o), "faulty": bench.read(dut.faulty_o)}
+    signed = lambda port: bench.as_signed(bench.read(port), len(port))
+    return {
+        "valid": bench.read(dut.out_valid_o),
+        "command": bench.read(dut.out_command_o),
+        "word": signed(dut.out_word_o),
+        "increment": signed(dut.out_increment_o),
+        "fault": bench.read(dut.fault_o),
+        "faulty": bench.read(dut.faulty_o),
+    }
 
 
 def settings_at_random(draw, dut, **fixed):

@@ -217,6 +217,7 @@ class Ends:
 
     def __init__(self, dut, inside, parts):
         self.dut, self.inside, self.handles, self.places = dut, inside, {}, {}
+        self.levels = None  # within a check {id of a signal: its number}, so that a wide struct is read once
         self.wires = list(joins(parts))
         self.glue = [pair for part in parts for pair in GLUE.get(part, {}).items()]
 
@@ -258,11 +259,18 @@ class Ends:
     def __call__(self, end):
         """The value of an end, unsigned."""
         signal, low, width = self.placed(end)
-        return bench.read(signal) >> low & (1 << width) - 1
+        if self.levels is None:
+            number = bench.read(signal)
+        else:
+            number = self.levels.get(id(signal))
+            if number is None:
+                number = self.levels[id(signal)] = bench.read(signal)
+        return number >> low & (1 << width) - 1
 
     def check(self):
         """All ends agree now. Of a setting only the block's bits are compared: registers saturate it to
         these."""
+        self.levels = {}
         for source, sink, widened in self.wires:
             sent, got = self(source), self(sink)
             if widened:
@@ -273,3 +281,4 @@ class Ends:
             assert got == sent, f"{sink} is {got:x}, but {source} {sent:x}"
         for sink, of in self.glue:
             assert self(sink) == of(self), f"{sink} is {self(sink):x}, not {of(self):x}"
+        self.levels = None
