@@ -17,6 +17,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import coverage_points as points
 from coverage_points import FOLDER, KINDS, ROOT
@@ -31,17 +32,17 @@ def tests_of(blocks):
     """The test files of ``blocks``, or of all stages."""
     if not blocks:
         return [*(f"tb/{stage}" for stage in points.STAGES), "tb/cli/test_cop4.py"]
-    own, found = {f"test_{name}.py" for name in benches.blocks()}, []
-    for name in blocks:
-        folder = f"tb/{benches.stage_of(name)}"
-        more = {path.name for path in (ROOT / folder).glob(f"test_{name}_*.py")} - own
-        found += [f"{folder}/{file}" for file in (f"test_{name}.py", *sorted(more))]
-    return found
+    return [path.relative_to(ROOT).as_posix() for name in blocks for path in evidence.tests_of(name)]
+
+
+def counted(blocks):
+    """The folders of counts of ``blocks``, or of all: one for each test file (tb/runner.py)."""
+    return [Path(file).stem.removeprefix("test_") for file in tests_of(blocks)] if blocks else ["*"]
 
 
 def run(blocks, long, jobs):
     """Run the tests of ``blocks``, or of all, with coverage counters; return whether they passed."""
-    for name in blocks or [""]:
+    for name in counted(blocks) if blocks else [""]:
         shutil.rmtree(COUNTS / name, ignore_errors=True)
     traces = TRACES / "-".join(blocks or ["all"])
     shutil.rmtree(traces if blocks else TRACES, ignore_errors=True)
@@ -100,8 +101,7 @@ def main():
     if refusal := evidence.refusal(arguments.blocks):
         parser.exit(2, f"cover: {refusal}\n")
     passed = arguments.no_run or run(arguments.blocks, arguments.long, arguments.jobs)
-    wanted = arguments.blocks or ["*"]
-    paths = sorted(path for name in wanted for path in COUNTS.glob(f"{name}/*.dat"))
+    paths = sorted(path for name in counted(arguments.blocks) for path in COUNTS.glob(f"{name}/*.dat"))
     traced = "*" if arguments.no_run else "-".join(arguments.blocks) or "*"
     traces = sorted(TRACES.glob(f"{traced}/data*"))
     if not paths or not traces:

@@ -10,6 +10,7 @@ import tomllib
 import pytest
 
 import bench
+import cover
 import coverage_points as points
 from meissner.builds import toolchain
 from verify import benches
@@ -143,6 +144,14 @@ def test_a_small_block_has_no_hole():
     done = subprocess.run(command, cwd=toolchain.ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "no hole in 1 block" in done.stdout
+
+
+def test_all_test_files_of_a_block_count():
+    """Of the block itself, not of msn_scan_plan and other blocks whose names begin alike."""
+    files = ["tb/frontend/test_scan.py", "tb/frontend/test_scan_coincidences.py", "tb/link/test_registers.py"]
+    assert cover.tests_of(["scan", "registers"]) == [*files, "tb/link/test_registers_ends.py"]
+    assert cover.counted(["scan"]) == ["scan", "scan_coincidences"]
+    assert cover.counted([]) == ["*"]
 
 
 def test_refuses_a_block_that_there_is_not():

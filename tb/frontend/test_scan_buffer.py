@@ -170,6 +170,22 @@ async def interleaved_rows_leave_as_soon_as_they_can(dut):
     assert [beat[0] for beat in run.beats[:beats]] == [clock + LATENCY for clock in came[:beats]]
 
 
+@bench.applies(lambda dut: not twin_of(dut).sorts)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def room_ends_when_exactly_two_conversions_fit(dut):
+    """Beats come slowly and the follower sleeps: one beat waits for it, outside the ring."""
+    twin = twin_of(dut)
+    await start(dut)
+    run = Bench(dut, lambda: True)
+    data, _ = random_frame(random.Random(bench.SEED), twin)
+    last = dut.Depth.value.to_unsigned() - 2 * twin.burst + 1
+    for count, word in enumerate(data[:last], 1):
+        await run.tick(word, (data, False) if count == 1 else None)
+        for _ in range(6):
+            await run.tick()
+        assert run.room == (count < last), count
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def two_conversions_fit_while_there_is_room(dut):
     """The sender checks room_o once, then sends two conversions; the follower takes a few beats now and

@@ -104,6 +104,7 @@ CHANGES = [
     ("tb/streams.py", "drain=40", "drain=41", dict.fromkeys(revision.BENCH, "crc32 packet link fifo skid")),
     ("tb/bodies.py", "yield test", "pass", dict.fromkeys(revision.BENCH, "crc32 packet link fifo skid")),
     ("model/meissner/twins/link/crc32.py", "^", "|", dict.fromkeys(revision.BENCH, "crc32")),
+    ("tb/link/test_packet_coincidences.py", "DEPTH + 3", "DEPTH", {"coverage": "packet"}),
     ("tb/coverage/waivers.toml", 'block = "packet"', 'block = "skid"', {"coverage": "packet skid"}),
     (
         "requirements/formal.txt",

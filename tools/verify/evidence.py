@@ -64,6 +64,14 @@ def path_of(block):
     return toolchain.ROOT / f"tb/{benches.stage_of(block)}/test_{block}.py"
 
 
+def tests_of(block):
+    """Its test files: test_<block>.py and each test_<block>_*.py, unless a longer name of a block fits."""
+    own = path_of(block)
+    longer = [f"test_{name}_" for name in benches.blocks() if name.startswith(f"{block}_")]
+    more = sorted(own.parent.glob(f"test_{block}_*.py"))
+    return [own, *(path for path in more if not f"{path.stem}_".startswith(tuple(longer)))]
+
+
 def statement(tree):
     """The assignment to EVIDENCE among the statements of a file; None if there is none."""
     for node in tree.body:

@@ -235,4 +235,6 @@ def digest(block, kind):
     parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
     if kind in BENCH:
         parts += _bench(around)
+    if kind == "coverage":
+        parts += map(_plain, evidence.tests_of(block)[1:])
     return _hashed(parts + harness)
