@@ -108,6 +108,23 @@ async def forgets_what_a_reset_interrupts(dut):
     await check(dut, given)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(faulty=[True, False])
+async def an_event_takes_a_clock_for_each_lane(dut, faulty):
+    """And one to be taken, whether the lanes have a report or are skipped."""
+    lanes = len(dut.in_dead_i)
+    await bench.start(dut, out_ready_i=1, in_valid_i=1, in_id_i=3, in_railed_i=0, in_blinking_i=0)
+    dut.in_dead_i.value = (1 << lanes) - 1 if faulty else 0
+    taken, reported = [], 0
+    for clock in range(4 * (lanes + 1)):
+        await bench.ReadOnly()
+        taken += [clock] if dut.in_ready_o.value == 1 else []
+        reported += int(dut.out_valid_o.value)
+        await bench.RisingEdge(dut.clk_i)
+    assert taken == [0, lanes + 1, 2 * (lanes + 1), 3 * (lanes + 1)]
+    assert reported == (4 * lanes if faulty else 0)
+
+
 @pytest.mark.parametrize("lanes, id_bits", [(1, 6), (2, 6), (8, 21)])
 def test_health_report(lanes, id_bits):
     bench.run("frontend", "health_report", {"Lanes": lanes, "IdBits": id_bits})

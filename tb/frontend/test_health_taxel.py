@@ -29,7 +29,7 @@ def limits_of(draw, bits):
     counts = {name: draw.choice((0, 1, 4, 16, 17, 254, 255, draw.getrandbits(8))) for name in COUNTERS}
     ends = {
         "low": draw.choice((low, low + 9, draw.randint(low, high))),
-        "high": draw.choice((high, high - 5, 7)),
+        "high": draw.choice((high, high - 5, 7, draw.randint(low, high))),
     }
     return Limits(band, jump, **ends, over_range_enable=draw.random() < 0.5, **counts)
 

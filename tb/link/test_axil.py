@@ -3,6 +3,7 @@ writes, word and byte writes, errors, reset in the middle. The bench serves the 
 registers' twin.
 """
 
+import itertools
 import logging
 import random
 
@@ -16,21 +17,21 @@ from meissner.twins.link.registers import Registers
 
 
 async def serve(dut, twin, served):
-    """The register bus: each access is answered once, in the clock after it."""
+    """The register bus: each access is answered once, two clocks later, as msn_registers does."""
+    answers = [None, None]  # (data, error) of the accesses in the clock before and in this one
     while True:
         await ReadOnly()
         asked = dut.bus_valid_o.value == 1
         access = [bench.read(getattr(dut, f"bus_{name}_o")) for name in ("write", "address") if asked]
         for name in ("wdata", "strobe") if asked else ():  # valid for writes only
             access.append(bench.read(getattr(dut, f"bus_{name}_o")) if access[0] else 0)
-        await RisingEdge(dut.clk_i)
-        dut.bus_done_i.value = int(asked)
         if asked:
             served.append(access)
-            data, error, _ = twin.access(*access)
-            dut.bus_rdata_i.value, dut.bus_error_i.value = data, int(error)
-        else:
-            dut.bus_rdata_i.value, dut.bus_error_i.value = 0xBAD0_BAD0, 1
+        answers = [answers[1], twin.access(*access)[:2] if asked else None]
+        await RisingEdge(dut.clk_i)
+        data, error = answers[0] or (0xBAD0_BAD0, 1)
+        dut.bus_done_i.value, dut.bus_rdata_i.value = int(answers[0] is not None), data
+        dut.bus_error_i.value = int(error)
 
 
 async def begin(dut):
@@ -105,15 +106,22 @@ async def reads_and_writes_at_once_lose_and_repeat_nothing(dut, rate):
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def what_always_waits_takes_turns(dut):
-    """A write and a read wait in every clock: they are served alternately, the write first after reset."""
+    """A write and a read wait in every clock: they are served alternately, the write first after reset, one
+    access at a time."""
     kinds = ("awvalid", "wvalid", "arvalid", "bready", "rready")
     inputs = {f"s_axil_{name}": 1 for name in kinds} | {f"s_axil_{name}": 0 for name in ("awprot", "arprot")}
     inputs |= {"s_axil_awaddr": 0x014, "s_axil_araddr": 0x014, "s_axil_wstrb": 15, "s_axil_wdata": 1}
     served = []
     await bench.start(dut, bus_done_i=0, **inputs)
     cocotb.start_soon(serve(dut, Registers(), served))
-    await bench.clocks(dut, 80)
-    assert len(served) > 20
+    accesses = []
+    for clock in range(80):
+        await bench.ReadOnly()
+        accesses += [clock] if dut.bus_valid_o.value == 1 else []
+        await bench.RisingEdge(dut.clk_i)
+    # The answer is taken three clocks after the access, and no other is accepted before the next clock.
+    assert {later - earlier for earlier, later in itertools.pairwise(accesses)} == {4}
+    assert len(served) >= 19
     assert [access[0] for access in served] == [1, 0] * (len(served) // 2) + [1] * (len(served) % 2)
 
 
