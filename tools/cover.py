@@ -42,8 +42,8 @@ def counted(blocks):
 
 def run(blocks, long, jobs):
     """Run the tests of ``blocks``, or of all, with coverage counters; return whether they passed."""
-    for name in counted(blocks) if blocks else [""]:
-        shutil.rmtree(COUNTS / name, ignore_errors=True)
+    for folder in [path for name in counted(blocks) for path in COUNTS.glob(name)]:
+        shutil.rmtree(folder)
     traces = TRACES / "-".join(blocks or ["all"])
     shutil.rmtree(traces if blocks else TRACES, ignore_errors=True)
     traces.mkdir(parents=True)

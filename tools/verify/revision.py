@@ -142,12 +142,14 @@ def _waivers(block):
 
 
 @cache
-def _bench(block):
-    test = evidence.path_of(block)
-    twin = toolchain.ROOT / f"model/meissner/twins/{test.parent.name}/{block}.py"
-    if not test.exists():
+def _bench(block, whole):
+    """The test of the block, what it imports and the twin; ``whole``: of all its test files."""
+    tests = evidence.tests_of(block) if whole else [evidence.path_of(block)]
+    twin = toolchain.ROOT / f"model/meissner/twins/{tests[0].parent.name}/{block}.py"
+    if not tests[0].exists():
         return []
-    files = [test, *sorted(imports(test)), *([twin] if twin.exists() else [])]
+    shared = {path for test in tests for path in imports(test)} - {*tests}
+    files = [*tests, *sorted(shared), *([twin] if twin.exists() else [])]
     return [_plain(path) for path in files]
 
 
@@ -234,7 +236,5 @@ def digest(block, kind):
     parts += [repr(stated)] if stated else []
     parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
     if kind in BENCH:
-        parts += _bench(around)
-    if kind == "coverage":
-        parts += map(_plain, evidence.tests_of(block)[1:])
+        parts += _bench(around, kind == "coverage")
     return _hashed(parts + harness)
