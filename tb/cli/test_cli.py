@@ -11,14 +11,10 @@ import zipfile
 import numpy as np
 import pytest
 
+from command import meissner
 from meissner import cli, engines, files, run, scenes
 from meissner.builds.toolchain import ROOT
 from meissner.twins.slip.config import SlipConfig
-
-
-def meissner(*arguments, cwd):
-    command = [sys.executable, "-m", "meissner.cli", *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
 
 
 def slip(source, *extra, out="out.npz"):
@@ -56,12 +52,16 @@ def archive(path, **shapes):
             file.writestr(f"{name}.npy", header(shape) + bytes(800))
 
 
+def recorded(folder):
+    x = np.random.default_rng(1).integers(-20, 21, (2, 1000))
+    np.save(folder / "in.npy", x)
+    np.savetxt(folder / "in.csv", x.T, fmt="%d", delimiter=",")
+    return x
+
+
 @pytest.fixture
 def recording(tmp_path):
-    x = np.random.default_rng(1).integers(-20, 21, (2, 1000))
-    np.save(tmp_path / "in.npy", x)
-    np.savetxt(tmp_path / "in.csv", x.T, fmt="%d", delimiter=",")
-    return x
+    return recorded(tmp_path)
 
 
 @pytest.mark.parametrize("engine", engines.NAMES)
@@ -268,24 +268,27 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("case", BAD)
-def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case):
-    (tmp_path / "text.npy").write_text("not an array")
-    (tmp_path / "in.txt").write_text("1\n")
-    (tmp_path / "words.csv").write_text("a,b\n")
-    (tmp_path / "empty.csv").write_text("# nothing\n")
-    (tmp_path / "broken.npy").write_bytes(b"PK\x03\x04 and no more")
-    with open(tmp_path / "archive.npy", "wb") as file:
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """A folder with the files that BAD names: no command of these changes it."""
+    folder = tmp_path_factory.mktemp("inputs")
+    recorded(folder)
+    (folder / "text.npy").write_text("not an array")
+    (folder / "in.txt").write_text("1\n")
+    (folder / "words.csv").write_text("a,b\n")
+    (folder / "empty.csv").write_text("# nothing\n")
+    (folder / "broken.npy").write_bytes(b"PK\x03\x04 and no more")
+    with open(folder / "archive.npy", "wb") as file:
         np.savez(file, x=np.zeros(100, int))
     for name in ("pipe", "pipe.npy", "pipe.npz"):
-        os.mkfifo(tmp_path / name)
+        os.mkfifo(folder / name)
     for name in ("folder", "folder.csv"):
-        (tmp_path / name).mkdir()
-    (tmp_path / "tall_header.npy").write_bytes(header((1 << 40,)) + bytes(64))
-    archive(tmp_path / "bomb.npz", offset=(20_000, 20_000), gain=(3, 2))
-    archive(tmp_path / "bomb1.npz", offset=(3, 2), gain=(400_000_000,))
-    archive(tmp_path / "bomb3.npz", codes=(1 << 40, 32, 32), force_n=(5,))
-    with zipfile.ZipFile(tmp_path / "bomb2.npz", "w", zipfile.ZIP_DEFLATED) as file:
+        (folder / name).mkdir()
+    (folder / "tall_header.npy").write_bytes(header((1 << 40,)) + bytes(64))
+    archive(folder / "bomb.npz", offset=(20_000, 20_000), gain=(3, 2))
+    archive(folder / "bomb1.npz", offset=(3, 2), gain=(400_000_000,))
+    archive(folder / "bomb3.npz", codes=(1 << 40, 32, 32), force_n=(5,))
+    with zipfile.ZipFile(folder / "bomb2.npz", "w", zipfile.ZIP_DEFLATED) as file:
         file.writestr("offset.npy", b"\x93NUMPY\x02\x00" + (1 << 24).to_bytes(4, "little") + bytes(1 << 24))
     for name, x in {
         "single": np.int64(5),
@@ -304,25 +307,35 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
         "half3": np.full((1, 2, 2), 0.5),
         "complex3": np.zeros((1, 2, 2), complex),
     }.items():
-        np.save(tmp_path / f"{name}.npy", x)
-    (tmp_path / "text.npz").write_text("not an archive")
-    np.save(tmp_path / "far.npy", np.full((1, 3, 2), 65536) * [0, 1])
-    np.save(tmp_path / "nan32.npy", np.full((1, 3, 2), np.nan))
-    np.savez(tmp_path / "other.npz", x=np.zeros(3))
-    np.savez(tmp_path / "press.npz", **presses())
-    np.savez(tmp_path / "few.npz", **presses(few=True))
+        np.save(folder / f"{name}.npy", x)
+    (folder / "text.npz").write_text("not an archive")
+    np.save(folder / "far.npy", np.full((1, 3, 2), 65536) * [0, 1])
+    np.save(folder / "nan32.npy", np.full((1, 3, 2), np.nan))
+    np.savez(folder / "other.npz", x=np.zeros(3))
+    np.savez(folder / "press.npz", **presses())
+    np.savez(folder / "few.npz", **presses(few=True))
     lines = {"offset": np.zeros((3, 2), int), "gain": np.ones((3, 2), int), "gain_shift": 12}
     lines |= {"dead": np.zeros((3, 2), bool), "force_lsb_n": 1e-3}
-    np.savez(tmp_path / "cal.npz", **lines)
-    np.savez(tmp_path / "gain.npz", **lines | {"gain": np.full((3, 2), 65536)})
-    before = sorted(tmp_path.iterdir())
+    np.savez(folder / "cal.npz", **lines)
+    np.savez(folder / "gain.npz", **lines | {"gain": np.full((3, 2), 65536)})
+    return folder
+
+
+def state(folder):
+    """What a folder holds, and when each file was written."""
+    return sorted((path, path.stat().st_mtime_ns) for path in folder.rglob("*"))
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_sentence_and_writes_nothing(inputs, case):
+    before = state(inputs)
     arguments, sentence = BAD[case]
-    done = meissner(*arguments, cwd=tmp_path)
+    done = meissner(*arguments, cwd=inputs)
     assert done.returncode == 2
     assert sentence in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
     assert done.stdout == ""
-    assert sorted(tmp_path.iterdir()) == before
+    assert state(inputs) == before
 
 
 @pytest.mark.parametrize("engine", engines.NAMES)

@@ -88,3 +88,38 @@ def test_quick_commands_import_nothing_slow(tmp_path):
         # A simulated core runs the physics of its scenes, and the rubber's curve is interpolated by SciPy.
         allowed = {"scipy"} if "sim:" in arguments else set()
         assert code == 0 and not found & set(SLOW) - allowed, (arguments, found)
+
+
+LINE, FILE, NAMED = "'no' is not a line", "there is no file no.", "'no.toml' is neither a file nor"
+ALONE = {  # exit code and words of each command
+    "scenes": (0, "walk_25x5"),
+    "run no": (2, "unknown scene 'no'"),
+    "scene check walk_25x5": (0, "walk_25x5: "),
+    "process slip no.npy --rate 1 --threshold 1 --out out.npz": (2, FILE),
+    "process cop no.npy --out out.npz": (2, FILE),
+    "process cop4 no.npy --config cop4 --out out.npz": (2, FILE),
+    "calibrate no.npz --out out.npz": (2, FILE),
+    "fit-rubber no.csv": (2, FILE),
+    "budget --cop4 --rows 0": (2, "rows = 0 must lie in 1 .. 1024"),
+    "regs no": (2, LINE),
+    "live no": (2, LINE),
+    "log no --out log.npz": (2, LINE),
+    "replay no.mcap --out out.npz": (2, FILE),
+    "tradeoff --list": (0, "quick  28"),
+    "choose no": (2, "sensor = 'no' must be one of"),
+    "config list": (0, "fingertip"),
+    "config check no.toml": (2, NAMED),
+    "config show no.toml": (2, NAMED),
+}
+
+
+def test_every_command_starts_alone(tmp_path):
+    """As a shell starts it: other tests run most commands in a process that has imported everything."""
+    every = {" ".join(path) for path in EVERY}
+    leaves = {name for name in every if not any(other.startswith(f"{name} ") for other in every)} - {""}
+    assert {name for name in leaves for line in ALONE if f"{line} ".startswith(f"{name} ")} == leaves
+    for line, (code, words) in ALONE.items():
+        command = [sys.executable, "-m", "meissner.cli", *line.split()]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == code and words in (done.stderr if code else done.stdout), (line, done)
+    assert not list(tmp_path.iterdir())

@@ -4,19 +4,12 @@ built. tb/cop/test_array.py shows that the clocks are those at the pins.
 """
 
 import json
-import subprocess
-import sys
 
 import pytest
 
+from command import meissner
 from meissner.budget import array as budget
 from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208
-
-
-def command(*arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "meissner.cli", "budget", *arguments], capture_output=True, text=True
-    )
 
 
 @pytest.mark.parametrize("rows, columns", [(1, 1), (3, 3), (16, 16), (64, 64), (5, 100)])
@@ -79,7 +72,7 @@ def test_the_inputs_used_are_searched_too():
     assert (two["channels"], two["converters_needed"], two["within_1_ms"]) == (8, 4, False)
     # Eight inputs, of which three have no column, would take 5 places of 3841 clocks instead of 2401.
     assert budget.budget(5, 5, 24e6, MCP3208, converters=1)["channels"] == 5
-    done = command("--rows", "10", "--cols", "16", "--adc", "MCP3208", "--clock", "24e6").stdout
+    done = meissner("budget", "--rows", "10", "--cols", "16", "--adc", "MCP3208", "--clock", "24e6").stdout
     first, second, *_ = done.splitlines()
     assert first == "from first convert to CoP 800.333 us, within 1 ms"
     assert second == "10×16 taxels, 4 MCP3208s with 4 inputs used, 24 MHz, settle 24 clocks"
@@ -94,11 +87,12 @@ def test_a_carrier_takes_its_samples():
 
 
 def test_the_command_prints_what_the_function_finds():
-    done = command("--rows", "16", "--cols", "16", "--json")
+    done = meissner("budget", "--rows", "16", "--cols", "16", "--json")
     assert json.loads(done.stdout) == budget.budget(16, 16, 100e6, AD7606)
-    text = command("--rows", "64", "--cols", "64", "--adc", "mcp3208").stdout
+    text = meissner("budget", "--rows", "64", "--cols", "64", "--adc", "mcp3208").stdout
     assert "above 1 ms" in text and "no number of these converters" in text
-    assert "1 ms needs 8 of these" in command("--rows", "64", "--cols", "64", "--converters", "2").stdout
+    few = meissner("budget", "--rows", "64", "--cols", "64", "--converters", "2").stdout
+    assert "1 ms needs 8 of these" in few
 
 
 @pytest.mark.parametrize(
@@ -144,6 +138,6 @@ def test_the_verdict_comes_first(converters, needs, says):
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )
 def test_refuses_with_one_sentence(arguments, says):
-    done = command(*arguments)
+    done = meissner("budget", *arguments)
     assert done.returncode == 2 and done.stdout == ""
     assert says in done.stderr and len(done.stderr.splitlines()) == 1

@@ -6,12 +6,11 @@ is resolved; one row, one column, one taxel; the command's output, picture and r
 import itertools
 import json
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
+from command import meissner
 from meissner.budget import cop4 as budget
 from meissner.budget import cop4_report
 from meissner.physics.adc import Adc
@@ -177,19 +176,14 @@ def test_a_load_that_drowns_is_not_resolved():
         budget.solve(Mesh(5, 5, 10.0), 1e-320)
 
 
-def meissner(*arguments, cwd):
-    command = [sys.executable, "-m", "meissner.cli", "budget", *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
-
-
 def test_the_command_prints_and_draws(tmp_path):
     done = meissner(
-        "--cop4", "--rows", 5, "--cols", 7, "--r", 47, "--json", "--out", "new/folder", cwd=tmp_path
+        "budget", "--cop4", "--rows", 5, "--cols", 7, "--r", 47, "--json", "--out", "new/folder", cwd=tmp_path
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout) == budget.budget(Mesh(5, 7, 47.0))
     assert (tmp_path / "new/folder/budget_cop4.png").stat().st_size > 30_000
-    done = meissner("--cop4", "--out", "one.png", cwd=tmp_path)
+    done = meissner("budget", "--cop4", "--out", "one.png", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "17 bits at gain 1, 14 bits at gain 4" in done.stdout and "picture: one.png" in done.stdout
     assert re.match(
@@ -222,7 +216,7 @@ BAD = {
 @pytest.mark.parametrize("sentence", BAD)
 def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, sentence):
     (tmp_path / "in.txt").write_text("1\n")
-    done = meissner("--out", "results", *BAD[sentence], cwd=tmp_path)
+    done = meissner("budget", "--out", "results", *BAD[sentence], cwd=tmp_path)
     assert done.returncode == 2 and done.stdout == ""
     assert sentence in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert [path.name for path in tmp_path.iterdir()] == ["in.txt"]

@@ -3,13 +3,12 @@ sliding window of 64, and one more if a period ends just before; tb/core/test_gr
 needs 10. The command prints the terms, and refuses a configuration without a reflex."""
 
 import json
-import subprocess
-import sys
 import tomllib
 from dataclasses import replace
 
 import pytest
 
+from command import meissner
 from meissner.budget import grip
 from meissner.builds import config
 
@@ -60,27 +59,21 @@ def test_the_terms_of_a_core_as_it_is_shipped():
     assert found["cycle_clocks"] == 240_000 and 24 * 19 < found["convert_clocks"] < 2 * 24 * 24
 
 
-def command(*arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "meissner.cli", "budget", *arguments], capture_output=True, text=True
-    )
-
-
 def test_the_command_prints_it():
-    told = command("--config", "grip").stdout.splitlines()
+    told = meissner("budget", "--config", "grip").stdout.splitlines()
     assert told[0] == (
         "from the sample that shows slip to the command word: at most 11 clocks (0.458 us), "
         "within the limit of 16"
     )
     assert any(line.split()[:2] == ["haar", "1"] for line in told)
-    found = json.loads(command("--config", "grip", "--json").stdout)
+    found = json.loads(meissner("budget", "--config", "grip", "--json").stdout)
     assert found == grip.budget(config.load("grip"))
     for arguments, said in (
         (("--config", "slip1"), "slip1 has none of the stages with a budget, [grip], [shear_speed]"),
         (("--config", "grip", "--cop4"), "--config must go without --cop4 and --out"),
         (("--config", "nothing"), "'nothing' is neither a file nor one of the configurations"),
     ):
-        done = command(*arguments)
+        done = meissner("budget", *arguments)
         assert done.returncode != 0 and said in done.stderr and "Traceback" not in done.stderr
 
 
