@@ -1,7 +1,8 @@
-"""Lint everything; no warning is allowed. Verilator and slang read each RTL module as a top, and the
-core in every named configuration and on every board; then come Verible's style rules, ruff, and a check for
+"""Lint everything; no warning is allowed. Verilator and slang read each RTL module as a top, and the core in
+every named configuration, on all boards that have it; then come Verible's style rules, ruff, and a check for
 casts that Yosys alone reads differently."""
 
+import os
 import re
 import subprocess
 import sys
@@ -72,7 +73,7 @@ def main():
         made = f"{folder}/{board.top}.sv"
         written.append(made)
         elaborate(f"{board.top}, {name}", board.top, *board.sources, made, CELLS, f"-I{folder}")
-    for name in config.names():
+    for name in sorted({*config.names()} - {name for _, name in pairs}):  # the others are on a board
         given = [f"-G{k}={v}" for k, v in verilog(config.load(name).parameters).items()]
         elaborate(f"msn_core {name}", "msn_core", *given)
     elaborate("finger", "finger", "examples/instantiate/finger.sv")
@@ -89,7 +90,7 @@ def main():
         ("ruff check", [str(binaries / "ruff"), "check", "--quiet", *PYTHON]),
         ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", *PYTHON]),
     ]
-    with ThreadPoolExecutor() as pool:
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # more at once wait for each other's memory
         problems += [problem for problem in pool.map(lambda job: run(*job), jobs) if problem]
     if problems:
         sys.exit("\n\n".join(problems))

@@ -46,8 +46,37 @@ def test_a_runtime_is_one_wherever_a_link_leads_to_it(tmp_path):
     assert key(real) == key(tmp_path / "link/include") != key(other)
 
 
-def test_a_runtime_is_one_for_all_models(tmp_path):
-    """Its sources include nothing from a model's folder, but the options that follow count."""
+def test_a_runtime_is_one_for_all_models(tmp_path, monkeypatch):
+    """Its sources include nothing from a model's folder, where makefiles run, but the options that follow
+    count."""
+    monkeypatch.chdir(tmp_path)
     key = lambda *words: objcache._key("c++", ["-Og", f"-I{INCLUDE}", *words, f"{INCLUDE}/verilated.cpp"])
-    assert key(f"-I{tmp_path}") == key(f"-I{tmp_path}/none") == key()
-    assert len({key(), key("-DVM_TRACE=1"), key("-I."), key(f"-I{INCLUDE}/vltstd")}) == 4
+    assert key(f"-I{tmp_path}") == key(f"-I{tmp_path}/none") == key("-I.") == key()
+    assert len({key(), key("-DVM_TRACE=1"), key(f"-I{INCLUDE}/vltstd")}) == 3
+    monkeypatch.chdir(INCLUDE / "vltstd")
+    assert key("-I.") == key(f"-I{INCLUDE}/vltstd")
+
+
+def test_a_runtime_is_one_in_whatever_order_its_options_come():
+    key = lambda *words: objcache._key("c++", [*words, f"{INCLUDE}/verilated.cpp"])
+    assert key("-DVM_SC=0", "-fPIC", "-DVM_TRACE=0") == key("-fPIC", "-DVM_TRACE=0", "-DVM_SC=0")
+    folders = f"-I{INCLUDE}", f"-I{INCLUDE}/vltstd"
+    assert key(*folders) != key(*folders[::-1])
+
+
+def test_all_tests_have_one_runtime(tmp_path, monkeypatch):
+    """Whatever the level of their models, makefiles put more levels before it. Users' models keep theirs."""
+    monkeypatch.setenv("MEISSNER_OBJECTS", str(tmp_path))
+    compiled = []
+
+    def compile_(command, found):
+        compiled.append(command)
+        (tmp_path / "fresh").write_text("object")
+        objcache.kept.keep(tmp_path / "fresh", found)
+
+    monkeypatch.setattr(objcache, "_compile", compile_)
+    of = lambda *levels: objcache.runtime(["c++", *levels, "-fPIC", "-c", f"{INCLUDE}/verilated.cpp"])
+    assert of("-Os") == of("-O1") == of("-Os", "-O1") == of("-O0") == of("-O3", "-O1")
+    assert len({of("-Os"), of("-O3"), of("-Os", "-O2"), of()}) == 4
+    given = [[word for word in command if word.startswith("-O")] for command in compiled]
+    assert given == [["-Os"], ["-O3"], ["-O2"], []]

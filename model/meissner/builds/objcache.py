@@ -33,22 +33,30 @@ def folder():
 
 
 def _key(compiler, words):
-    """The hash of a compiler's version and arguments. Paths are resolved, and include folders of models are
-    left out, from which the runtime includes nothing, so that trees which link to one environment share its
-    runtime."""
+    """The hash of a compiler's version and arguments. Makefiles and the builds of tests give the same ones in
+    another order; of those used here only folders and levels of optimisation (see _level) depend on it. Paths
+    are resolved, and include folders of models are left out, from which the runtime includes nothing, so that
+    trees which link to one environment share its runtime."""
 
-    def of_a_model(word):
-        path = word.removeprefix("-I")
-        own = any(os.path.exists(os.path.join(path, name)) for name in OWN)
-        return word != path and os.path.isabs(path) and not own
+    def of_a_model(folder):
+        return not any(os.path.exists(os.path.join(folder, name)) for name in OWN)
 
     def meant(word):
         option = "-I" if word.startswith("-I") else ""
         path = word[len(option) :]
-        return option + os.path.realpath(path) if os.path.isabs(path) else word
+        return option + os.path.realpath(path) if option or os.path.isabs(path) else word
 
-    words = [meant(word) for word in words if not of_a_model(word)]
-    return hashlib.sha256("\0".join([version(compiler), *words]).encode()).hexdigest()
+    folders = [meant(word) for word in words if word.startswith("-I") and not of_a_model(word[2:])]
+    others = sorted(meant(word) for word in words if not word.startswith("-I"))
+    return hashlib.sha256("\0".join([version(compiler), *folders, *others]).encode()).hexdigest()
+
+
+def _level(words, instead=None):
+    """``words`` with one level of optimisation, at first: the last, as for the compiler, or what is given
+    ``instead`` of it."""
+    levels = [word for word in words if word.startswith("-O")]
+    last = [(instead or {}).get(level, level) for level in levels[-1:]]
+    return [*last, *(word for word in words if word not in levels)]
 
 
 def _precompile(compiler, flags, header, found):
@@ -71,9 +79,7 @@ def precompiled(command):
     source = next(word for word in command if word.endswith(".cpp"))
     output = command.index("-o")
     words = [word for word in command[1:output] + command[output + 2 :] if word not in ("-c", "-MMD", source)]
-    # Makefiles put the -O option before or after the others, and the last one counts: one header for both.
-    levels = [word for word in words if word.startswith("-O")]
-    flags = [*levels[-1:], *(word for word in words if word not in levels)]
+    flags = _level(words)
     key = _key(command[0], flags)
     header = folder() / key / "runtime.h"
     found = header.with_name("runtime.h.gch")
@@ -107,8 +113,10 @@ def _compile(command, found):
 
 
 def runtime(command):
-    """The object of a compiler's ``command`` (without its output) for a source of the runtime."""
-    key = _key(command[0], command)
+    """The object of a compiler's ``command`` (without its output) for a source of the runtime. All models of
+    tests, compiled at -O0 or -O1, get the runtime of benches."""
+    command = [command[0], *_level(command[1:], {"-O0": "-Os", "-O1": "-Os"})]
+    key = _key(command[0], command[1:])
     found = folder() / f"{key}.o"
     if not kept.intact(found):
         with alone(key):
