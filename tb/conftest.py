@@ -14,6 +14,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 import ahead
 import bodies
 import together
+import undrawn as nothing
 import units
 from meissner.engines import verilated
 
@@ -132,8 +133,13 @@ def left_alone(items):
 def no_pictures(monkeypatch):
     """Pictures are made but not rendered, which takes most of a short run's time: for tests of other results.
     The same pictures are rendered by another test."""
-    savefig = "matplotlib.figure.Figure.savefig"
-    monkeypatch.setattr(savefig, lambda _, path, **__: path.write_bytes(b"\x89PNG not really"))
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", nothing.empty)
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Pictures are not made: for tests of numbers. Another test makes them from the same numbers."""
+    nothing.use(monkeypatch)
 
 
 def pytest_configure(config):

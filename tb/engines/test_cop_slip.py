@@ -139,7 +139,7 @@ def test_what_the_source_gives_numbers_of():
 @pytest.mark.parametrize("engine", engines.NAMES)
 def test_run_the_scene(tmp_path, engine, request):
     if engine != "rtl":
-        request.getfixturevalue("no_pictures")
+        request.getfixturevalue("undrawn")
     scene = few(2)
     summary = run.run(scene, engine, tmp_path, seed=3)
     assert json.loads((tmp_path / "summary.json").read_text()) == summary

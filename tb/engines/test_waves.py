@@ -12,7 +12,7 @@ from meissner import engines, run, scenes
 from meissner.engines import rtl_cop, rtl_cop4
 from meissner.scenes.grip import run as cop_slip
 
-pytestmark = pytest.mark.usefixtures("no_pictures")
+pytestmark = pytest.mark.usefixtures("undrawn")
 CLOCK_PS = 10**9 // rtl_cop.TRACE_CLK_KHZ
 
 

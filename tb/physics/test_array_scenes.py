@@ -31,7 +31,7 @@ def test_the_scenes_are_there():
 @pytest.mark.parametrize("engine", engines.NAMES)
 def test_run(tmp_path, name, engine, request):
     if engine != "fixed":
-        request.getfixturevalue("no_pictures")
+        request.getfixturevalue("undrawn")
     scene = scenes.load(name)
     summary = run.run(scene, engine, tmp_path, seed=1)
     assert json.loads((tmp_path / "summary.json").read_text()) == summary
@@ -168,7 +168,7 @@ def test_the_page_s_ranges_are_recorded():
 
 
 @pytest.mark.parametrize("seed", [2, 3, 4])
-def test_an_even_press_is_even_with_other_parts_too(tmp_path, no_pictures, seed):
+def test_an_even_press_is_even_with_other_parts_too(tmp_path, undrawn, seed):
     summary = run.run(scenes.load("capacitive_shapes"), "fixed", tmp_path, seed=seed)
     assert summary["unevenness_before"] > 0.05 and summary["unevenness_after"] < 0.01
 

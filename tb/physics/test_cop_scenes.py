@@ -130,7 +130,7 @@ def test_the_data_are_asked_for_when_absent(monkeypatch):
 @pytest.mark.parametrize("engine", engines.NAMES)
 def test_run_an_array_scene(tmp_path, name, engine, request):
     if engine != "fixed":
-        request.getfixturevalue("no_pictures")
+        request.getfixturevalue("undrawn")
     scene = scenes.load(name)
     summary = run.run(scene, engine, tmp_path, seed=2)
     assert json.loads((tmp_path / "summary.json").read_text()) == summary
@@ -263,7 +263,7 @@ GRAIN = {
 
 @pytest.mark.parametrize("name", MESHES)
 @pytest.mark.parametrize("engine", ["fixed", "rtl"])
-def test_run_a_mesh_scene_on_the_core(tmp_path, no_pictures, name, engine):
+def test_run_a_mesh_scene_on_the_core(tmp_path, undrawn, name, engine):
     """The result is within the converter's error of the exact voltages; the core's words equal the twin's."""
     scene = scenes.load(name)
     summary = run.run(scene, engine, tmp_path, seed=1)

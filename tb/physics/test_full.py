@@ -40,7 +40,7 @@ def given(one, engine, out, compared=None):
 
 
 @pytest.fixture
-def once(monkeypatch, no_pictures):
+def once(monkeypatch, undrawn):
     """No pictures, and each part of --full runs once, because no time is measured here."""
     monkeypatch.setattr(full, "_ms_per_s", lambda part: round(1e3 / part(), 3))
 

@@ -156,7 +156,7 @@ def test_scene_check_says_why(capsys, tmp_path):
         assert code == 2 and words in out.err and out.err.count("\n") == 1
 
 
-@pytest.mark.usefixtures("no_pictures")
+@pytest.mark.usefixtures("undrawn")
 def test_everything_on_changes_nothing_and_is_compared(tmp_path, monkeypatch):
     """The same summary and result.npz, except for times; two other scenes stand for all."""
     monkeypatch.setattr(full, "EVERYTHING", (("cop_circle", None), ("walk_25x5", None)))
