@@ -18,27 +18,30 @@ CLOCK_PS = 10**9 // rtl_cop.TRACE_CLK_KHZ
 
 def read_vcd(path, wanted):
     """Time in ps of each rising edge [n], and the values of the ``wanted`` ports just before it, [n] each."""
-    codes, scope, values, rows, now = {}, [], {}, [], 0
+    codes, scope, values, rows, now = {}, [], dict.fromkeys(wanted, 0), [], 0
     with open(path) as file:
         for line in file:
-            line, word = line.strip(), line.split()
-            if not word:
-                continue
-            if word[0] == "$scope":
+            word = line.split()
+            if line.startswith("$enddefinitions"):
+                break
+            if word[:1] == ["$scope"]:
                 scope.append(word[2])
-            elif word[0] == "$upscope":
+            elif word[:1] == ["$upscope"]:
                 scope.pop()
-            elif word[0] == "$var" and scope == ["TOP"] and word[4] in wanted:
+            elif word[:1] == ["$var"] and scope == ["TOP"] and word[4] in wanted:
                 codes[word[3]] = word[4]
-            elif line.startswith("#"):
+        for line in file:
+            if line[0] == "#":
                 now = int(line[1:])
-            elif line[0] in "01" and line[1:] in codes:
-                name, value = codes[line[1:]], int(line[0])
-                if name == "clk_i" and value and not values.get("clk_i"):
-                    rows.append((now, *(values.get(port, 0) for port in wanted)))
+            elif line[0] in "01" and (name := codes.get(line[1:-1])):
+                value = int(line[0])
+                if name == "clk_i" and value > values["clk_i"]:
+                    rows.append((now, *values.values()))
                 values[name] = value
-            elif line[0] == "b" and word[1] in codes:
-                values[codes[word[1]]] = int(word[0][1:], 2)
+            elif line[0] == "b":
+                value, code = line.split()
+                if code in codes:
+                    values[codes[code]] = int(value[1:], 2)
     times, *columns = zip(*rows)
     return np.array(times), dict(zip(wanted, map(np.array, columns)))
 
