@@ -4,7 +4,6 @@ from fractions import Fraction
 from math import comb
 
 import pytest
-from scipy.stats import binomtest
 
 from meissner import interval
 
@@ -16,6 +15,8 @@ def tail(rate, counts, runs):
 
 @pytest.mark.parametrize("count, runs", [(0, 100), (1, 7), (3, 40), (39, 40), (40, 40), (0, 1)])
 def test_ends_leave_a_fortieth_on_either_side(count, runs):
+    from scipy.stats import binomtest  # takes 0.2 s to import, in each worker
+
     low, high = interval.exact(count, runs)
     if count:
         assert tail(low, range(count, runs + 1), runs) == pytest.approx(0.025, rel=1e-9)
