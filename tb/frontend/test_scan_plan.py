@@ -90,7 +90,7 @@ def agree(plan, settings, clocks, switches, triggers):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "overrun_o", wiggled=["room_i"], cfg_enable_i=1)
+    await bench.turn_over(dut, "overrun_o", "held_o", wiggled=["room_i"], cfg_enable_i=1)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
