@@ -1,6 +1,6 @@
 """Run the command ``meissner`` as a shell does, in a process of its own with its own folder and streams.
 
-Most commands of tests end at once, after a start that takes three times as long. So they are forked from one
+Most commands of tests end at once, after a start that takes ten times as long. So they are forked from one
 process that has imported what commands import. tb/cli/test_start.py and test_wheel.py start every command
 alone, as a shell does.
 """
@@ -12,6 +12,8 @@ import tempfile
 from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
+
+from meissner import cli
 
 IMPORTED = (
     *("meissner.cli", "meissner.run", "meissner.engines", "meissner.scenes.parts", "meissner.builds.boards"),
@@ -31,8 +33,6 @@ def _run(arguments, cwd, streams):
     for number, path in enumerate(streams, 1):
         os.dup2(os.open(path, os.O_WRONLY), number)
     sys.argv = ["meissner", *arguments]
-    from meissner import cli
-
     cli.main()
 
 

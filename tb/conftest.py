@@ -13,8 +13,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
 import ahead
 import bodies
+import drawing
 import together
-import undrawn as nothing
 import units
 from meissner.engines import verilated
 
@@ -133,13 +133,13 @@ def left_alone(items):
 def no_pictures(monkeypatch):
     """Pictures are made but not rendered, which takes most of a short run's time: for tests of other results.
     The same pictures are rendered by another test."""
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", nothing.empty)
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", drawing.empty)
 
 
 @pytest.fixture
 def undrawn(monkeypatch):
     """Pictures are not made: for tests of numbers. Another test makes them from the same numbers."""
-    nothing.use(monkeypatch)
+    drawing.off(monkeypatch)
 
 
 def pytest_configure(config):

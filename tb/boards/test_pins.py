@@ -66,22 +66,19 @@ def test_every_input_has_its_pull(board, name):
 
 
 def netlists():
-    """{(board's name, configuration): module in Yosys's JSON} of all tops, flattened, registers not mapped.
-    Yosys reads the sources once: that takes as long as the rest for a board."""
-    script = [f"read_verilog -lib tb/lint/cells.v; {read_rtl()}; design -save sources"]
-    found = {(board.name, name): ROOT / written(board, name) / "netlist.json" for board, name, _ in CASES}
+    """The top of each of CASES in Yosys's JSON, flattened, registers not mapped. Yosys reads the sources
+    once: that takes as long as the rest for a board."""
+    script, folders = [f"read_verilog -lib tb/lint/cells.v; {read_rtl()}; design -save sources"], []
     for board, name, _ in CASES:
-        path = found[board.name, name]
-        path.unlink(missing_ok=True)
-        folder = path.parent.relative_to(ROOT)
+        folders.append(folder := written(board, name))
         script += [
             "design -load sources",
             f"read_verilog -sv -I{folder} {' '.join(board.sources)} {folder}/{board.top}.sv",
             f"hierarchy -top {board.top}; proc; flatten; opt -full; clean; write_json {folder}/netlist.json",
         ]
     yosys("; ".join(script), "build/tb/pins/log")
-    tops = {board.name: board.top for board, _, _ in CASES}
-    return {key: json.loads(path.read_text())["modules"][tops[key[0]]] for key, path in found.items()}
+    texts = [(ROOT / folder / "netlist.json").read_text() for folder in folders]
+    return [json.loads(text)["modules"][board.top] for (board, _, _), text in zip(CASES, texts)]
 
 
 class Netlist:
@@ -141,10 +138,9 @@ class Netlist:
 
 def test_inputs_go_into_one_register_each(subtests):
     """One test, so that only one worker runs Yosys."""
-    made = netlists()
-    for board, name, unused in CASES:
+    for (board, name, unused), module in zip(CASES, netlists()):
         with subtests.test(board=board.name, configuration=name):
-            check_inputs(board, name, unused, made[board.name, name])
+            check_inputs(board, name, unused, module)
 
 
 def check_inputs(board, name, unused, module):

@@ -2,12 +2,12 @@
 
 import pytest
 
-import undrawn as nothing
+import drawing
 
 
 @pytest.fixture(scope="module", autouse=True)
 def undrawn():
     """Takes effect before a module's own fixtures, which also run scenes."""
     with pytest.MonkeyPatch.context() as patch:
-        nothing.use(patch)
+        drawing.off(patch)
         yield

@@ -9,6 +9,7 @@ from importlib import metadata
 
 import pytest
 from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name as plain
 
 from meissner.builds.toolchain import ROOT
 
@@ -105,11 +106,6 @@ def test_synthesis_tools_are_installed_beside_the_simulators(tmp_path, setup, ta
     assert setup() == 0
     assert setup("", targets) == 0
     assert files(tmp_path) == sorted([*WHOLE, ".synth", "tools", "half"])
-
-
-def plain(name):
-    """A package's name as PyPI compares it."""
-    return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def test_every_package_is_pinned_once():

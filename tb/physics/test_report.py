@@ -197,9 +197,8 @@ HOLDERS |= {"world_ms_per_s", "everything_ms_per_s", "count", "rate", "low", "hi
 
 
 @pytest.mark.parametrize("name", scenes.names())
-def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, monkeypatch, name):
-    # Drawing is replaced: it takes most of the time, and the page does not depend on a picture's content.
-    monkeypatch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: path.write_bytes(PNG))
+def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, no_pictures, name):
+    """The page does not depend on a picture's content."""
     scene = scenes.load(name)
     text, summary = written(scene, tmp_path)
     page = Page(text)

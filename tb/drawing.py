@@ -36,7 +36,7 @@ def empty(_, path, **__):
     path.write_bytes(b"\x89PNG not really")
 
 
-def use(patch):
+def off(patch):
     """Draw nothing from now on, by ``patch``, a pytest.MonkeyPatch."""
     either = matplotlib.figure.FigureBase  # a figure or a part of one
     patch.setattr(either, "subplots", subplots)
