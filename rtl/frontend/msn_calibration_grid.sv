@@ -146,11 +146,13 @@ module msn_calibration_grid #(
 
 `ifndef SYNTHESIS
   // Reading a word in the clock in which it is written is undefined. It cannot happen, as the bank read is never the
-  // one written, except for a clock after a reset, when nothing is loaded.
+  // one written, except before the first reset and for a clock after a reset, when nothing is loaded.
   // verilator coverage_off
-  logic begun;
-  always_ff @(posedge clk_i) begin
-    begun <= !rst_i;
+  logic begun, was_reset;
+  initial {begun, was_reset} = '0;
+  always @(posedge clk_i) begin
+    was_reset <= rst_i;
+    begun     <= !rst_i && (begun || was_reset);
     if (begun && !rst_i) begin
       assert (!cfg_write_row_i || row_at[RowBits] == bank)
       else $fatal(1, "msn_calibration_grid: bank %0d of rows is read and written in one clock", !bank);

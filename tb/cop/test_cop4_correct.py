@@ -1,6 +1,7 @@
 """msn_cop4_correct against its model, and the model against the polynomial in fractions: both ends of every
 coordinate, register, N and D, every register alone, registers of fitted meshes, random ones at the limit of
-their sum; gaps, stalls, a reset in mid-flight, exact clocks. A mesh's load with it: test_cop4."""
+their sum; sums that a unit more or less would round otherwise; gaps, stalls, a reset in mid-flight, exact
+clocks. A mesh's load with it: test_cop4."""
 
 from fractions import Fraction
 from functools import cache
@@ -55,6 +56,22 @@ def cases(rng, sum_bits, count):
     return rows
 
 
+def at_rounding(registers, count=6):
+    """x, y, N, D where a sum of two products that is rounded down is whole or just above, and where it is
+    just below; half of them with the first product odd, so that its lowest bit decides."""
+    x, y = np.random.default_rng(11).integers(-16384, 16385, (2, 1 << 19))
+    X, Y = x * x >> 12, y * y >> 12
+    _, p1, p2, p3, p4, p5 = registers.p
+    along, across = p1 + (p3 * X + p4 * Y >> 16), p2 + (p5 * Y >> 16)
+    rows = []
+    for first, second in ((p3 * X, p4 * Y), (p5 * Y, 0), (X * along, Y * across)):
+        for odd in (0, 1):
+            which = np.flatnonzero(first & 1 == odd)
+            order = which[np.argsort((first + second)[which] & 0xFFFF, kind="stable")]
+            rows += [(int(x[k]), int(y[k]), 1, 0) for k in (*order[:count], *order[-count:])]
+    return rows
+
+
 def beats_of(rows):
     return [dict(zip(("x", "y", "n", "d"), row)) | {"side": i % 2} for i, row in enumerate(rows)]
 
@@ -77,6 +94,15 @@ async def matches_model(dut, stall_rate, which):
     await bench.start(dut, **ports(registers))
     pauses = bench.gaps_and_stalls(stall_rate)
     assert await bench.stream(dut, beats_of(rows), FIELDS, *pauses) == expected_of(rows, registers)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(which=range(13, 17))
+async def rounds_sums_down(dut, which):
+    registers = register_sets()[which]
+    rows = at_rounding(registers)
+    await bench.start(dut, **ports(registers))
+    assert await bench.stream(dut, beats_of(rows), FIELDS) == expected_of(rows, registers)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -123,9 +149,8 @@ def test_model_against_fractions():
     """Each step of the polynomial rounded down, in exact rationals; and near the polynomial itself."""
     for registers in register_sets():
         p0, p1, p2, p3, p4, p5 = registers.p
-        for (x, y, n, d), got in zip(
-            rows := cases(np.random.default_rng(3), 19, 100), expected_of(rows, registers)
-        ):
+        rows = cases(np.random.default_rng(3), 19, 100) + at_rounding(registers)
+        for (x, y, n, d), got in zip(rows, expected_of(rows, registers)):
             X, Y = (floor(Fraction(v * v, 4096)) for v in (x, y))
             along = p1 + floor(Fraction(p3 * X + p4 * Y, 65536))
             across = p2 + floor(Fraction(p5 * Y, 65536))

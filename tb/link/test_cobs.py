@@ -13,9 +13,10 @@ from meissner.twins.link.cobs import MAX_BYTES, decode, encode, stuff
 
 
 def beats_of(packets):
+    """The packets' bytes. The last packet is announced, the one before it is not, and so on."""
     return [
-        {"data": byte, "last": index == len(packet) - 1, "begin": 1}
-        for packet in packets
+        {"data": byte, "last": index == len(packet) - 1, "begin": (len(packets) - number) % 2}
+        for number, packet in enumerate(packets)
         for index, byte in enumerate(packet)
     ]
 
