@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The core: registers, a sensor, slip and the link. Instances and wires only, in data-path order; a block that a
-// parameter turns off is not built.
+// The core: registers, a sensor, slip, a hand's reflex and the link. Instances and wires only, in data-path order; a
+// block that a parameter turns off is not built.
 //
 //   registers ─ settings, status of all
 //   sensor_array, sensor_channels or sensor_cop4 ─┬─ samples ─ slip_chain ─┬─ link ─ line or bytes
@@ -139,7 +139,6 @@ module msn_core #(
   localparam int unsigned LoadBits   = (Taxels > 65536) ? 32 : 16 + $clog2(Taxels);
 
   logic [47:0] now;
-  always_ff @(posedge clk_i) now <= rst_i ? '0 : now + 1'b1;
   msn_registers_pkg::cfg_t    cfg;
   msn_registers_pkg::status_t status, sensor_status;
   logic        bus_valid, bus_write, bus_done, bus_error, commit, pending;
@@ -269,8 +268,6 @@ module msn_core #(
     .adc_i(sensor_status.adc), .verdict_i(verdict), .shear_i(shear), .grip_valid_o, .grip_word_o, .pwm_o
   );
 
-  always_ff @(posedge clk_i) pressed_o <= !rst_i && (cop_valid ? cop.pressed : pressed_o);
-
   // Packets to the host, commands from it.
   msn_core_link #(
     .ClkKhz(ClkKhz), .BaudHz(BaudHz), .SlipOnly(SlipOnly), .Uart(Uart), .Registers(Registers), .Array(Array),
@@ -278,8 +275,8 @@ module msn_core #(
     .Health(Health), .Statistics(Statistics), .StatisticBits(StatisticBits), .Taxels(Image ? Taxels : 0),
     .Chunk(Chunk)
   ) u_link (
-    .clk_i, .rst_i, .now_i(now), .status_i(status), .status_o(of_link), .convert_i(convert),
-    .time_i(frame_time), .cop_valid_i(cop_valid), .cop_i(cop), .decision_valid_i(decision_valid),
+    .clk_i, .rst_i, .now_o(now), .status_i(status), .status_o(of_link), .convert_i(convert),
+    .time_i(frame_time), .cop_valid_i(cop_valid), .cop_i(cop), .pressed_o, .decision_valid_i(decision_valid),
     .decision_ready_o(decision_ready), .decision_i(decision),
     .health_valid_i(health_valid), .health_ready_o(health_ready), .health_i(health),
     .image_valid_i(Image && cfg.link.images && sample_valid && sample_ready), .image_data_i(16'(sample)),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A scanned array from its pins to the centre of pressure: instances and wires only, in data-path order.
+// A scanned array from its pins to the centre of pressure, in data-path order.
 //
 //   lines, ADC pins or stream ─ array_source ─ frame_gate ─ frame_marker ─ condition ─ cop_array ─ x, y, load
 //
@@ -200,7 +200,7 @@ module msn_array #(
     .drop_i(swallowed_o[0] != swallowed_q), .quiet_i(!busy_i && !tap_valid_o && !out_valid_o), .busy_o(owed)
   );
 
-  // Beats are numbered here and nowhere downstream.
+  // Checks and marks each beat once, for all stages downstream.
   logic              placed_valid, placed_ready;
   logic [2:0]        placed_marks;
   logic [IdBits-1:0] placed_id;

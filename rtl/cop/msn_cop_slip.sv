@@ -42,6 +42,7 @@ module msn_cop_slip #(
   output logic                 out_slip_o,
   output logic                 out_raised_o,
   output logic                 out_over_o,
+  output logic                 out_pressed_o,     // this sample's
   output logic signed [16:0]   out_dx_o,          // over the lag, 0 unless both samples are valid
   output logic signed [16:0]   out_dy_o,
   output logic        [2:0]    out_octant_o
@@ -77,12 +78,12 @@ module msn_cop_slip #(
   end
 
   // 1: the pair. 2: magnitudes, the drop. 3: the move. 4: the octant.
-  logic               pair, seen_valid, seen_pair, size_valid, size_pair, size_drops, times_valid, times_over;
-  logic               move_valid, move_over;
-  logic signed [16:0] dx, dy, seen_dx, seen_dy, seen_fall, size_dx, size_dy, times_dx, times_dy;
+  logic               pair, seen_valid, seen_pair, size_valid, size_pair, size_drops;
+  logic               scaled_valid, scaled_over, move_valid, move_over;
+  logic signed [16:0] dx, dy, seen_dx, seen_dy, seen_fall, size_dx, size_dy, scaled_dx, scaled_dy;
   logic signed [16:0] move_dx, move_dy;
   logic        [23:0] seen_share;
-  logic        [16:0] width, height, times_width, times_height;
+  logic        [16:0] width, height, scaled_width, scaled_height;
   logic        [2:0]  octant, move_octant;
   logic               drops, moves;
   assign pair = full && in_pressed_i && old_pressed && old_load >= cfg_min_load_i;
@@ -93,23 +94,25 @@ module msn_cop_slip #(
     .a_i({seen_fall[16], seen_fall, 8'b0}), .b_i({2'b0, seen_share}), .greater_o(drops)
   );
 
-  logic [22:0] width_53, height_53, times_width_53, times_height_53;
+  logic [22:0] width_53, height_53, scaled_width_53, scaled_height_53;
   logic        flat, upright;
   msn_constant_multiplier #(.Constant(53), .InBits(17)) u_width (.in_data_i(width), .out_data_o(width_53));
   msn_constant_multiplier #(.Constant(53), .InBits(17)) u_height (.in_data_i(height), .out_data_o(height_53));
-  assign flat    = {times_height, 7'b0} <= 24'(times_width_53);
-  assign upright = {times_width, 7'b0} <= 24'(times_height_53);
+  assign flat    = {scaled_height, 7'b0} <= 24'(scaled_width_53);
+  assign upright = {scaled_width, 7'b0} <= 24'(scaled_height_53);
   assign moves   = width >= 17'(cfg_move_i) || height >= 17'(cfg_move_i);
 
   always_comb begin
-    if (flat) octant = times_dx[16] ? 3'd4 : 3'd0;
-    else if (upright) octant = times_dy[16] ? 3'd6 : 3'd2;
-    else if (times_dy[16]) octant = times_dx[16] ? 3'd5 : 3'd7;
-    else octant = times_dx[16] ? 3'd3 : 3'd1;
+    if (flat) octant = scaled_dx[16] ? 3'd4 : 3'd0;
+    else if (upright) octant = scaled_dy[16] ? 3'd6 : 3'd2;
+    else if (scaled_dy[16]) octant = scaled_dx[16] ? 3'd5 : 3'd7;
+    else octant = scaled_dx[16] ? 3'd3 : 3'd1;
   end
 
+  logic [4:1] pressed;  // [k]: after clock k
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
+      pressed     <= {pressed[3:1], in_pressed_i};
       seen_valid  <= in_valid_i;
       seen_pair   <= pair;
       seen_dx     <= pair ? dx : '0;
@@ -125,58 +128,59 @@ module msn_cop_slip #(
       width       <= seen_dx[16] ? '0 - seen_dx : seen_dx;
       height      <= seen_dy[16] ? '0 - seen_dy : seen_dy;
 
-      times_valid     <= size_valid;
-      times_over      <= size_pair && size_drops && moves;
-      times_dx        <= size_dx;
-      times_dy        <= size_dy;
-      times_width     <= width;
-      times_height    <= height;
-      times_width_53  <= width_53;
-      times_height_53 <= height_53;
+      scaled_valid     <= size_valid;
+      scaled_over      <= size_pair && size_drops && moves;
+      scaled_dx        <= size_dx;
+      scaled_dy        <= size_dy;
+      scaled_width     <= width;
+      scaled_height    <= height;
+      scaled_width_53  <= width_53;
+      scaled_height_53 <= height_53;
 
-      move_valid  <= times_valid;
-      move_over   <= times_over;
-      move_dx     <= times_dx;
-      move_dy     <= times_dy;
+      move_valid  <= scaled_valid;
+      move_over   <= scaled_over;
+      move_dx     <= scaled_dx;
+      move_dy     <= scaled_dy;
       move_octant <= octant;
     end
     if (rst_i) begin
-      seen_valid  <= 1'b0;
-      size_valid  <= 1'b0;
-      times_valid <= 1'b0;
-      move_valid  <= 1'b0;
+      seen_valid   <= 1'b0;
+      size_valid   <= 1'b0;
+      scaled_valid <= 1'b0;
+      move_valid   <= 1'b0;
     end
   end
 
   // 5: the state. Both timers count up from minus the register's value, so that "still running" is the sign bit.
-  logic [TimerBits:0] hold, deaf, load_hold, load_refractory;
+  logic [TimerBits:0] hold, refractory, load_hold, load_refractory;
   logic               slipping, next_slipping;
   always_ff @(posedge clk_i) begin
     load_hold       <= '0 - (TimerBits + 1)'(cfg_hold_i);
     load_refractory <= '0 - (TimerBits + 1)'(cfg_refractory_i);
   end
-  assign next_slipping = slipping ? move_over || hold[TimerBits] : move_over && !deaf[TimerBits];
+  assign next_slipping = slipping ? move_over || hold[TimerBits] : move_over && !refractory[TimerBits];
 
   always_ff @(posedge clk_i) begin
     if (in_ready_o && move_valid) begin
       slipping <= next_slipping;
       if (next_slipping) hold <= move_over ? load_hold : hold + 1'b1;
-      if (slipping) deaf <= load_refractory;
-      else if (deaf[TimerBits]) deaf <= deaf + 1'b1;
+      if (slipping) refractory <= load_refractory;
+      else if (refractory[TimerBits]) refractory <= refractory + 1'b1;
     end
     if (in_ready_o) begin
-      out_valid_o  <= move_valid;
-      out_slip_o   <= next_slipping;
-      out_raised_o <= next_slipping && !slipping;
-      out_over_o   <= move_over;
-      out_dx_o     <= move_dx;
-      out_dy_o     <= move_dy;
-      out_octant_o <= move_octant;
+      out_valid_o   <= move_valid;
+      out_slip_o    <= next_slipping;
+      out_raised_o  <= next_slipping && !slipping;
+      out_over_o    <= move_over;
+      out_pressed_o <= pressed[4];
+      out_dx_o      <= move_dx;
+      out_dy_o      <= move_dy;
+      out_octant_o  <= move_octant;
     end
     if (rst_i) begin
       out_valid_o <= 1'b0;
       slipping    <= 1'b0;
-      deaf        <= '0;
+      refractory  <= '0;
     end
   end
 

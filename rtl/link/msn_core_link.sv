@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A core's link: msn_link, or with SlipOnly the smaller msn_link_slip, connected to a core's signals. Instances and
-// wires only. The statistics are counters from status_i: with Array the scan's, else the converter's.
+// A core's link: msn_link, or with SlipOnly the smaller msn_link_slip, connected to a core's signals; the clock count
+// for the times in packets, and whether the last centre of pressure was pressed. The statistics are counters from
+// status_i: with Array the scan's, else the converter's.
 // Model: model/meissner/twins/link/core_link.py
 
 module msn_core_link #(
@@ -22,7 +23,7 @@ module msn_core_link #(
 ) (
   input  logic                            clk_i,
   input  logic                            rst_i,
-  input  logic [47:0]                     now_i,
+  output logic [47:0]                     now_o,             // clocks since reset
 
   input  msn_registers_pkg::status_t      status_i,          // of the entire core
   output msn_registers_pkg::link_status_t status_o,
@@ -34,6 +35,7 @@ module msn_core_link #(
   input  msn_pkg::decision_t              decision_i,
   input  logic                            cop_valid_i,
   input  msn_pkg::cop_t                   cop_i,
+  output logic                            pressed_o,         // the last centre of pressure
   input  logic                            health_valid_i,
   output logic                            health_ready_o,
   input  msn_pkg::health_t                health_i,
@@ -66,6 +68,12 @@ module msn_core_link #(
   output logic                            out_last_o
 );
 
+  always_ff @(posedge clk_i) begin
+    now_o <= now_o + 1'b1;
+    if (cop_valid_i) pressed_o <= cop_i.pressed;
+    if (rst_i) {now_o, pressed_o} <= '0;
+  end
+
   if (SlipOnly) begin : gen_slip_only
     msn_link_slip #(.ClkHz(1000 * ClkKhz), .BaudHz(BaudHz), .P2pBits(DetailBits)) u_link (
       .clk_i, .rst_i, .convert_i,
@@ -76,7 +84,7 @@ module msn_core_link #(
             bus_strobe_o} = '0;
     assign {host_done_o, host_error_o, host_rdata_o, out_valid_o, out_data_o, out_last_o} = '0;
     logic unused;
-    assign unused = ^{now_i, status_i, time_i, cop_valid_i, cop_i, health_valid_i, health_i, image_valid_i,
+    assign unused = ^{status_i, time_i, cop_i, health_valid_i, health_i, image_valid_i,
                       image_data_i, image_last_i, bus_done_i, bus_error_i, bus_rdata_i, rx_i, host_valid_i,
                       host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i};
 
@@ -97,7 +105,7 @@ module msn_core_link #(
       .Cop(Cop), .Health(Health), .Statistics(Statistics ? 8 : 0), .StatisticBits(StatisticBits),
       .Taxels(Taxels), .Chunk(Chunk)
     ) u_link (
-      .clk_i, .rst_i, .now_i,
+      .clk_i, .rst_i, .now_i(now_o),
       .rx_i, .tx_o,
       .out_valid_o, .out_ready_i, .out_data_o, .out_last_o,
       .host_valid_i, .host_write_i, .host_address_i, .host_wdata_i, .host_strobe_i,

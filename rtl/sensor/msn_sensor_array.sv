@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A scanned array, from its lines and pins or a stream to single forces, centres of pressure and health reports:
-// instances and wires only.
+// A scanned array, from its lines and pins or a stream to single forces, centres of pressure and health reports.
 //
 //   pins or stream ─ array ─┬─ width_converter (Tap) ─ samples      registers ─ preset ─ array's calibration
 //                           ├─ centres of pressure

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A converter's channels, from its pins or a stream to samples: instances and wires only.
+// A converter's channels, from its pins or a stream to samples, one frame at a time.
 //
 //   ADC pins or stream ─ acquire ─ frame_gate ─ samples
 //
-// One frame at a time: the next one waits while busy_i is high, until the blocks downstream have finished the previous
-// one, so that settings (commit_o) and the frame's time change only between frames. Gate = 0: settings are constants,
-// and the blocks downstream keep the time themselves.
-// All sensors of a core have the same list of ports. Model: model/meissner/twins/sensor/sensor_channels.py
+// The next frame waits while busy_i is high, until the blocks downstream have finished the previous one, so that
+// settings (commit_o) and the frame's time change only between frames. Gate = 0: settings are constants, and the
+// blocks downstream keep the time themselves. A sensor's ports: docs/frames.md.
+// Model: model/meissner/twins/sensor/sensor_channels.py
 
 module msn_sensor_channels #(
   parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e

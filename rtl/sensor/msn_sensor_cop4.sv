@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The four-wire sensor, from a converter's pins or a stream to centres of pressure and slip decisions: instances and
-// wires only.
+// The four-wire sensor, from a converter's pins or a stream to centres of pressure and slip decisions.
 //
 //   ADC pins or stream ─ sensor_channels ─ electrodes ─ cop4 ─┬─ centres of pressure
 //                                                             └─ cop_slip (CopSlip) ─ decisions
@@ -114,7 +113,7 @@ module msn_sensor_cop4 #(
 
   if (CopSlip) begin : gen_cop_slip
     logic signed [16:0] unused_dx, unused_dy;
-    logic               unused_over_load, slips;
+    logic               unused_over_load, slips, pressed;
     logic        [2:0]  octant;
     msn_cop_slip #(.Lag(Lag)) u_cop_slip (
       .clk_i, .rst_i,
@@ -124,11 +123,11 @@ module msn_sensor_cop4 #(
       .in_valid_i(found_valid), .in_ready_o(found_ready), .in_x_i(x), .in_y_i(y), .in_load_i(load),
       .in_pressed_i(cop_o.pressed),
       .out_valid_o(decision_valid_o), .out_ready_i(decision_ready_i), .out_slip_o(slips),
-      .out_raised_o(decision_o.raised), .out_over_o(unused_over_load), .out_dx_o(unused_dx),
-      .out_dy_o(unused_dy), .out_octant_o(octant)
+      .out_raised_o(decision_o.raised), .out_over_o(unused_over_load), .out_pressed_o(pressed),
+      .out_dx_o(unused_dx), .out_dy_o(unused_dy), .out_octant_o(octant)
     );
     assign decision_o.last  = 1'b1;
-    assign decision_o.state = slips ? msn_pkg::Incipient : msn_pkg::Contact;
+    assign decision_o.state = slips ? msn_pkg::Incipient : pressed ? msn_pkg::Contact : msn_pkg::None;
     assign decision_o.p2p   = 24'(octant);
     assign decision_o.id    = '1;
   end else begin : gen_no_cop_slip

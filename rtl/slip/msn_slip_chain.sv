@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Slip of every channel or taxel of a core: instances and wires only.
+// Slip of every channel or taxel of a core.
 //
 //   samples ─ skid (Array) ─ slip_path ─ skid (Array of several lanes) ─┬─ decisions, verdicts
 //   decisions about a centre of pressure (Slip = 0) ────────────────────┴─ slip_flags

@@ -16,7 +16,7 @@ import pytest
 import bench
 from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters, octants
 
-FIELDS = ["slip", "raised", "over", "dx~", "dy~", "octant"]
+FIELDS = ["slip", "raised", "over", "dx~", "dy~", "octant", "pressed"]
 SETS = [
     CopSlipRegisters(),
     CopSlipRegisters(128, 205, 400, 3, 5),
@@ -66,6 +66,7 @@ def beats_of(samples):
 
 def expected_of(samples, lag, registers):
     columns = [values.astype(int).tolist() for values in CopSlip(lag, registers).process(*samples)]
+    columns.append(samples[3].tolist())  # passes through
     return [dict(zip((f.rstrip("~") for f in FIELDS), row)) for row in zip(*columns)]
 
 
@@ -238,7 +239,7 @@ def test_model_against_fractions(lag, registers):
             "dx": dx,
             "dy": dy,
         }
-        assert got == wanted | {"octant": int(octants(dx, dy))}, k
+        assert got == wanted | {"octant": int(octants(dx, dy)), "pressed": pressed}, k
     if registers.min_load < 65535:
         assert {(0, 0), (1, 1)} <= seen
 

@@ -27,6 +27,7 @@ TWO = (19500, -20700, 21800, -19400)
 OPEN = (26000, -24500, 23900, -24900)  # E1 exactly idle, E3 busy
 OPEN_LOW = (24600, -26101, 24400, -24001)  # E2, mirrored, idle; E4 exactly busy
 FULL = (30000, -25999, 24001, -28000)  # E1 exactly at the top, E3 with too little current to call E1 open
+FREE = (29900, -29850, 29890, -29890)  # hardly any current: nothing presses
 UNEVEN = (22000, -20100, 20000, -20400)  # M - N is exactly 1500
 LESS = (25500, -24600, 24500, -25400)  # as ONE, but with less load and further along y
 SAMPLES = [ONE, TWO, OPEN, OPEN_LOW, FULL, UNEVEN]
@@ -72,8 +73,8 @@ def octant_of(dx, dy):
 
 
 def slips_since_reset(scene, done):
-    """(events {sample: octant}, slip_o after each sample) of the last pass of ``scene``; ``done``: (number of
-    samples, settings) of every pass since reset."""
+    """(events {sample: octant}, (slip_o, touched_o) after each sample) of the last pass of ``scene``;
+    ``done``: (number of samples, settings) of every pass since reset."""
     results, events, flags, slipping, quiet, deaf = [], {}, [], False, 0, 0
     for count, s in done:
         events, flags = {}, []
@@ -95,7 +96,7 @@ def slips_since_reset(scene, done):
             elif over:
                 slipping, quiet = True, 0
                 events[n] = octant_of(x - old_x, y - old_y)
-            flags.append(int(slipping))
+            flags.append((int(slipping), int(slipping or pressed)))
     return events, flags
 
 
@@ -123,8 +124,8 @@ class Core:
         return (sample[channel] if channel < 4 else 32767) & 0xFFFF
 
     async def convert(self, samples, period=PERIOD):
-        """Convert ``samples``; returns their (CoP packets, slip packets, convert starts, slip_o after
-        each)."""
+        """Convert ``samples``; returns their (CoP packets, slip packets, convert starts, (slip_o, touched_o)
+        after each)."""
         first, before, flags = len(self.host.packets), len(self.starts.at), []
         self.codes = [None] * len(self.part.frames) + list(samples)
         await self.host.write(adc__period=period, adc__enable=1)
@@ -134,7 +135,7 @@ class Core:
             if n == len(samples) - 1:
                 await self.host.write(adc__enable=0)
             await pins.rest(self.dut, period - 20)
-            flags.append(bench.read(self.dut.slip_o))
+            flags.append((bench.read(self.dut.slip_o), bench.read(self.dut.touched_o)))
         await pins.rest(self.dut, PERIOD)
         cops, slips = self.host.of_kind(pins.COP, first), self.host.of_kind(pins.SLIP, first)
         return cops, slips, self.starts.at[before:], flags
@@ -192,6 +193,16 @@ async def each_setting_of_cop_slip_changes_its_own_flag(dut):
     for which in (2, 4, 6):
         assert outcomes[which][0] == (), "a limit passed by one is no limit"
         assert outcomes[which - 1][0] != ()
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def touched_while_something_presses_or_slips(dut):
+    core = await Core().begin(dut)
+    scene = [FREE, ONE, FREE, FREE, ONE, ONE, ONE, ONE, LESS, FREE, FREE, FREE, ONE, FREE]
+    _, slips, _, flags = await core.convert(scene)
+    events, wanted = slips_since_reset(scene, [(len(scene), SLIP)])
+    assert flags == wanted and len(slips) == len(events) == 1
+    assert wanted == [(0, k) for k in (0, 1, 0, 0, 1, 1, 1, 1)] + [(1, 1)] * 3 + [(0, k) for k in (0, 1, 0)]
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")

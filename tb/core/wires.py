@@ -165,11 +165,11 @@ GLUE = {
         "owed.drop_i": lambda v: 0,
         "cop_slip.out_ready_i": lambda v: not v("cop_slip.out_raised_o") or v("link.slip_ready_o"),
         "link.slip_valid_i": lambda v: v("cop_slip.out_valid_o") and v("cop_slip.out_raised_o"),
-        "link.slip_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else 1,
+        "link.slip_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else v("cop_slip.out_pressed_o"),
         "link.slip_id_i": lambda v: 0xFFFF,
         "link.cop_valid_i": lambda v: v("cop4.out_valid_o") and v("cop_slip.in_ready_o"),
         "flags.in_valid_i": lambda v: v("cop_slip.out_valid_o") and not v("chain.offered"),
-        "flags.in_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else 1,
+        "flags.in_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else v("cop_slip.out_pressed_o"),
         "flags.in_last_i": lambda v: 1,
     },
     "events": {

@@ -1,10 +1,11 @@
 """msn_core_link: each member of the core's decisions, results and reports, and each counter of its status, at
 its place in its packet, by hand from docs/link.md; the host's bus passed through; with SlipOnly the small
-link's line."""
+link's line; the clock count and whether the last centre of pressure was pressed."""
 
 import cocotb
 import pytest
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
 import bench
 import members
@@ -26,7 +27,49 @@ def number(dut, name):
 async def begin(dut):
     names = "status convert decision_valid decision cop_valid cop health_valid health image_valid image_data"
     names += " image_last bus_done bus_error bus_rdata " + " ".join(f"host_{name}" for name in BUS)
-    await bench.start(dut, **{f"{name}_i": 0 for name in names.split()}, rx_i=1, now_i=0, time_i=TIME)
+    await bench.start(dut, **{f"{name}_i": 0 for name in names.split()}, rx_i=1, time_i=TIME)
+
+
+@bench.starts_known
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_clocks_over_the_whole_width(dut):
+    """From the value at power-up, with registers at ones the greatest; from 0 after a reset; across 2^32."""
+    for port in dut:
+        if port._name.endswith("_i"):
+            port.value = 0
+    await Timer(1, "ns")
+    count = bench.read(dut.now_o)
+    assert bench.ONES.lstrip("+") not in cocotb.plusargs or count == 2**48 - 1
+    Clock(dut.clk_i, 10, unit="ns").start()
+    for clock in range(60):
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        count = 0 if 30 <= clock < 33 else (count + 1) % 2**48
+        assert bench.read(dut.now_o) == count, clock
+        await FallingEdge(dut.clk_i)
+        dut.rst_i.value = int(29 <= clock < 32)
+        if clock == 50:
+            count = (1 << 32) - 4
+            dut.now_o.value = count
+    await RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def keeps_whether_the_last_centre_was_pressed(dut):
+    await begin(dut)
+    assert dut.pressed_o.value == 0
+    for valid, pressed, kept in ((0, 1, 0), (1, 1, 1), (0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 1, 1), (1, 1, 1)):
+        dut.cop_valid_i.value, dut.cop_i.value = valid, members.word("cop", {"pressed": pressed, "x": -1})
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        assert dut.pressed_o.value == kept, (valid, pressed)
+        await FallingEdge(dut.clk_i)
+    dut.rst_i.value = 1  # a pressed centre in its clock
+    await RisingEdge(dut.clk_i)
+    dut.rst_i.value = dut.cop_valid_i.value = 0
+    await ReadOnly()
+    assert dut.pressed_o.value == 0
+    await RisingEdge(dut.clk_i)
 
 
 async def packets(dut, clocks):

@@ -12,7 +12,6 @@ from meissner.twins.sensor.sensor_cop4 import sensor_cop4
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.shear_speeds import ShearSpeeds, report
-from meissner.twins.slip.slip import State
 from meissner.twins.slip.slip_chain import slip_chain
 
 OF_LOAD = 65535  # channel of a slip event found in the load of four electrodes
@@ -87,8 +86,8 @@ def of_array(array, samples, slip=None, over=None):
 
 def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
     """CoP frames and slip events of samples [frames, 4]; ``slip``: CopSlipRegisters."""
-    cops, slips = sensor_cop4(samples, registers, terms, lag, slip)
-    events = [(frame, OF_LOAD, octant, State.INCIPIENT) for frame, octant in slips]
+    cops, decisions = sensor_cop4(samples, registers, terms, lag, slip)
+    events = [(n, OF_LOAD, octant, state) for n, (state, raised, octant) in enumerate(decisions) if raised]
     return Expected(*payloads(events, cops), None)
 
 

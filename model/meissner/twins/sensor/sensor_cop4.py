@@ -4,10 +4,11 @@ import numpy as np
 
 from meissner.twins.cop.cop4 import cop4
 from meissner.twins.cop.cop_slip import CopSlip
+from meissner.twins.slip.slip import State
 
 
 def sensor_cop4(samples, registers, terms=None, lag=16, slip=None):
-    """(x, y, load, pressed) of each frame and (frame, octant) of each slip event of samples [frames, 4].
+    """(x, y, load, pressed) and (state, raised, octant) of each frame of samples [frames, 4].
 
     ``registers``: Cop4Registers; ``terms``: of the correction; ``slip``: CopSlipRegisters or None.
     """
@@ -16,4 +17,5 @@ def sensor_cop4(samples, registers, terms=None, lag=16, slip=None):
     if slip is None:
         return cop, []
     slips = CopSlip(lag, slip).process(found.x, found.y, found.load, found.pressed)
-    return cop, [(int(n), int(slips.octant[n])) for n in np.flatnonzero(slips.raised)]
+    states = np.where(slips.slip, State.INCIPIENT, np.where(found.pressed, State.CONTACT, State.NONE))
+    return cop, list(zip(states.tolist(), slips.raised.tolist(), slips.octant.tolist()))
