@@ -116,7 +116,8 @@ def main(arguments=None):
         sys.exit(0)
     except (ValueError, OSError) as problem:
         sys.exit(_refuse(problem))
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stopped:
+        print(f"meissner: interrupted{stopped}", file=sys.stderr)
         sys.exit(130)  # the exit code that a shell reports after Ctrl-C
 
 

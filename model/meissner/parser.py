@@ -6,7 +6,7 @@ import argparse
 from meissner.names import EVERY, NAMES, PICTURE
 from meissner.plain import plain
 
-PORT = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE (docs/host.md)"
+PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
 CONFIG = "the core's configuration, for physical units: a name or a TOML file"
 
 

@@ -380,7 +380,7 @@ def test_calibrate_names_the_dead_cells(tmp_path):
     assert np.argwhere(np.load(tmp_path / "cal.npz")["dead"]).tolist() == [[1, 1]]
 
 
-def test_ctrl_c_ends_quietly_and_leaves_nothing(tmp_path, monkeypatch, recording):
+def test_ctrl_c_ends_in_one_sentence_and_leaves_nothing(tmp_path, monkeypatch, recording, capsys):
     def interrupted(*_):
         raise KeyboardInterrupt
 
@@ -388,6 +388,7 @@ def test_ctrl_c_ends_quietly_and_leaves_nothing(tmp_path, monkeypatch, recording
     before = sorted(tmp_path.iterdir())
     with pytest.raises(SystemExit, match="130"):
         cli.main([*map(str, slip(tmp_path / "in.npy", out=tmp_path / "out.npz"))])
+    assert capsys.readouterr() == ("", "meissner: interrupted\n")
     assert sorted(tmp_path.iterdir()) == before
 
 

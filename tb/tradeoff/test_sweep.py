@@ -128,11 +128,12 @@ def test_an_interrupted_sweep_goes_on(tmp_path, how):
     while len(list(out.glob("points/toy/[!.]*.json"))) < toy.HOLD and process.poll() is None:
         time.sleep(0.005)
     process.send_signal(how)
-    said, problem = process.communicate(timeout=60)
+    _, problem = process.communicate(timeout=60)
     (tmp_path / "hold").unlink()
     assert process.returncode == (-9 if how == signal.SIGKILL else 130), problem
     if how == signal.SIGINT:
-        assert said.endswith(f"finished points are in {out}; the same command continues\n")
+        end = f"meissner: interrupted; finished points are in {out}; the same command continues\n"
+        assert problem.endswith(end)
     there = len(list(out.glob("points/toy/[!.]*.json")))
     assert there == toy.HOLD
     time.sleep(0.3)  # the workers end with their parent

@@ -108,7 +108,8 @@ def live(arguments):
     from meissner.host.view import View
 
     messages = []
-    with _connect(arguments, False if arguments.listen else None, messages.append) as core:
+    listen = False if arguments.listen else None
+    with _connect(arguments, listen, messages.append) as core, _stopping(core):
         view = View(core)
         if sys.stdout.isatty():
             _live_picture(core, view, arguments.seconds, messages)

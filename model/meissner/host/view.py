@@ -9,6 +9,7 @@ from meissner.twins.core import OF_LOAD
 from meissner.twins.slip.slip import State
 
 SHADES = " ░▒▓█"
+SHORT_S = 0.2  # an interval too short for a rate of packets
 WIDEST, HIGHEST = 32, 16  # cells of the picture; in a larger array each cell shows its largest taxel
 SLIP_COLOURS = {State.INCIPIENT: "yellow", State.GROSS: "red"}
 
@@ -68,9 +69,11 @@ class View:
         return None
 
     def tick(self, now_s):
-        """Update the packet rate; call at intervals."""
-        when, before, _ = self._rate
+        """Update the packet rate; call at intervals. One too short for a rate leaves the last rate."""
+        when, before, rate = self._rate
         count = self.core.counts.packets
+        if rate and now_s - when < SHORT_S:
+            return
         self._rate = (now_s, count, (count - before) / (now_s - when) if now_s > when else 0.0)
 
     def _at(self, item):

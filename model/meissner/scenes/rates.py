@@ -25,7 +25,7 @@ def tell(summary):
     lines = [f"{summary['runs']} runs, seeds {first} to {last} of each condition"]
     if summary["missed_rate"]:
         lines.append(
-            f"slips missed: {interval.words(summary['missed_rate'])}; flagged too late: {summary['late']}"
+            f"slips missed: {interval.words(summary['missed_rate'])}; of these late: {summary['late']}"
         )
     if summary["lead_ms_min"] is not None:
         lines.append(f"shortest lead of a flag before the slip: {summary['lead_ms_min']:.1f} ms")

@@ -83,8 +83,9 @@ def tradeoff(arguments):
     try:
         rows = sweep.run(axes, out, arguments.quick, runner, workers, _bar)
     except KeyboardInterrupt:
-        print(f"meissner: interrupted; finished points are in {plain(out)}; the same command continues")
-        raise
+        raise KeyboardInterrupt(
+            f"; finished points are in {plain(out)}; the same command continues"
+        ) from None
     _tell(axes, rows, out, arguments.quick)
 
 

@@ -129,7 +129,7 @@ def _recover(summary):
 
 def _stick_slip(summary):
     lines = [
-        f"slips missed: {interval.words(summary['missed_rate'])}; flagged too late: {summary['late']}",
+        f"slips missed: {interval.words(summary['missed_rate'])}; of these late: {summary['late']}",
         f"missed by the derivative: {interval.words(summary['slope_missed_rate'])}; it crosses at rest in "
         f"{interval.words(summary['slope_quiet_rate'])}, while pressing in "
         f"{interval.words(summary['slope_pressing_rate'])}",
