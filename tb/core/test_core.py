@@ -77,7 +77,7 @@ CASES = {
 FRAMES = {"array": 24, "channels": 120, "electrodes": 90, "smallest": 120}
 COMMON = {"about": "of a test", "clock": {"mhz": 4.0}}
 # Parameters that no configuration sets: a short event queue, and one core without a line.
-ASIDE = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}
+EXTRA = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}
 # Short names and paths of the blocks inside.
 INSIDE = {
     "registers": "u_registers",
@@ -141,7 +141,7 @@ def configuration(name):
 
 
 def parameters_of(name):
-    return configuration(name).parameters | ASIDE.get(name, {})
+    return configuration(name).parameters | EXTRA.get(name, {})
 
 
 def case_of(dut):

@@ -21,7 +21,7 @@ module formal_fifo #(
   logic                 started, held;
   logic [CountBits-1:0] level, ahead;
   logic [Width-1:0]     kept;
-  owed_stream #(.Width(Width), .Capacity(Depth + 2), .Patience(2)) u_stream (
+  owed_stream #(.Width(Width), .Capacity(Depth + 2), .Timeout(2)) u_stream (
     .clk_i, .rst_i, .watch_i,
     .in_valid_i, .in_ready_i(in_ready_o), .in_data_i,
     .out_valid_i(out_valid_o), .out_ready_i, .out_data_i(out_data_o),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What a lossless stage guarantees: each word taken leaves once, in order, unchanged, and no other word leaves; valid
-// and data hold under back-pressure; a word inside is offered after at most Patience clocks. It is proven for all words
+// and data hold under back-pressure; a word inside is offered after at most Timeout clocks. It is proven for all words
 // by watching any one: number `watch_i` modulo 2^CountBits. For a stage that computes, in_data_i is the expected
 // result.
 //
@@ -10,7 +10,7 @@
 module owed_stream #(
   parameter  int unsigned Width     = 8,
   parameter  int unsigned Capacity  = 2,     // maximum of words inside
-  parameter  int unsigned Patience  = 3,
+  parameter  int unsigned Timeout   = 3,
   parameter  bit          InHolds   = 1'b0,  // the source keeps what it offers: assumed
   localparam int unsigned CountBits = $clog2(Capacity + 1) + 1
 ) (
@@ -78,7 +78,7 @@ module owed_stream #(
   always_comb begin
     if (started) begin
       assert (level_o <= CountBits'(Capacity));
-      assert (waited <= 8'(Patience));
+      assert (waited <= 8'(Timeout));
       if (!rst_i && give) assert (level_o != '0 || take);
       if (!rst_i && give && ahead_o == '0) assert (out_data_i == (inside_o ? kept_o : in_data_i));
       if (!rst_i && out_stalled) assert (out_valid_i && out_data_i == out_data);

@@ -33,7 +33,7 @@ module formal_round_sat #(
   logic                started, held;
   logic [1:0]          level, ahead;
   logic [OutWidth-1:0] kept;
-  owed_stream #(.Width(OutWidth), .Capacity(1), .Patience(0)) u_stream (
+  owed_stream #(.Width(OutWidth), .Capacity(1), .Timeout(0)) u_stream (
     .clk_i, .rst_i, .watch_i,
     .in_valid_i, .in_ready_i(in_ready_o), .in_data_i(clipped[OutWidth-1:0]),
     .out_valid_i(out_valid_o), .out_ready_i, .out_data_i(out_data_o),
