@@ -1,6 +1,7 @@
 """The package's layers: a module imports from its own layer and those below; imports form no cycle."""
 
 import ast
+import re
 from itertools import pairwise
 
 import pytest
@@ -9,6 +10,7 @@ import structure
 from meissner.builds.toolchain import ROOT
 
 PACKAGE = ROOT / "model/meissner"
+CPP = sorted(path for path in PACKAGE.rglob("*") if path.suffix in (".c", ".cpp", ".h", ".hpp"))
 
 
 def test_every_module_has_a_layer():
@@ -54,6 +56,15 @@ def test_the_package_reads_nothing_of_tests_or_tools(path):
     for word in words:
         if isinstance(word, str) and word not in docstrings:
             assert not word.startswith(("tb/", "tools/")), word
+
+
+@pytest.mark.parametrize("path", CPP, ids=lambda path: path.name)
+def test_the_package_includes_only_its_own_files(path):
+    """Or Verilator's; the wheel has nothing beside the package."""
+    for name in re.findall(r'^\s*#\s*include\s*"(.+)"', path.read_text("utf-8"), re.MULTILINE):
+        if not re.fullmatch(r"(V|verilated)\w*\.h", name):
+            own = (path.parent / name).resolve()
+            assert own.is_relative_to(PACKAGE) and own.is_file(), name
 
 
 def test_twins_compute_in_integers():

@@ -10,9 +10,11 @@ import ctypes
 import sys
 import time
 
+from meissner.builds.toolchain import ROOT
 from meissner.engines import verilated
 from meissner.twins.link.uart_tx import sixteenths
 
+DRIVER = ROOT / "tools/soak_driver.cpp"
 TAXELS, DEPTH, CLK_HZ, BAUD_HZ = 1024, 64, 24_000_000, 6_000_000
 NAMES = ("events", "lost", "wrong", "images", "cops", "clocks", "held")
 
@@ -26,7 +28,7 @@ class Soak(ctypes.Structure):
 def soak(events, mean=1000, burst=100, seed=1):
     """A soak with so many events, on average ``mean`` clocks apart, in bursts of up to ``burst``."""
     parameters = {"ClkHz": CLK_HZ, "BaudHz": BAUD_HZ, "Taxels": TAXELS, "SlipDepth": DEPTH, "Health": 0}
-    lib = ctypes.CDLL(str(verilated.library("msn_link", "soak_driver.cpp", parameters)))
+    lib = ctypes.CDLL(str(verilated.library("msn_link", DRIVER, parameters)))
     number = ctypes.c_int32
     pointer = ctypes.POINTER(Soak)
     lib.soak_run.argtypes = [

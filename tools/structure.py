@@ -15,7 +15,7 @@ MODEL = ROOT / "model"
 # From the lowest layer up: each imports only from itself and lower layers. A name is a module or a package.
 LAYERS = [
     *("names", "plain", "interval", "check", "files", "builds.kept", "builds.objcache", "builds.toolchain"),
-    *("twins", "physics", "calibration", "second_order", "fit_rubber"),
+    *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
     *("sense", "builds", "engines", "report", "scenes", "run"),
     *("host", "budget", "tradeoff", "process", "parser", "cli"),
 ]

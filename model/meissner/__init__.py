@@ -2,27 +2,32 @@
 
     Slip, Cop, Cop4, Array     the core's computations on a stream: ``process(x)``, ``next(x)``
     SlipConfig                 the settings of a slip detector
+    Cop4Config                 a four-wire sensor: mesh, amplifiers, converter
     Calibration                a straight line per cell of an array
 
 Each is imported on first use, so that the command line starts quickly.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from meissner.calibration import Calibration
+    from meissner.physics.cop4_config import Cop4Config
     from meissner.sense import Array, Cop, Cop4, Slip
     from meissner.twins.slip.config import SlipConfig
 
-__all__ = ["Array", "Calibration", "Cop", "Cop4", "Slip", "SlipConfig"]
+    __version__: str
+
+__all__ = ["Array", "Calibration", "Cop", "Cop4", "Cop4Config", "Slip", "SlipConfig"]
 _MODULES = dict.fromkeys(("Array", "Cop", "Cop4", "Slip"), "meissner.sense") | {
     "Calibration": "meissner.calibration",
+    "Cop4Config": "meissner.physics.cop4_config",
     "SlipConfig": "meissner.twins.slip.config",
 }
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return getattr(import_module(_MODULES[name]), name)
     if name != "__version__":
@@ -35,5 +40,5 @@ def __getattr__(name):
         return "0+source"
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return [*globals(), *__all__, "__version__"]

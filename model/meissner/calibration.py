@@ -8,48 +8,60 @@ is ``force_lsb_n`` newtons.
 """
 
 from dataclasses import dataclass
+from numbers import Integral
+from os import PathLike
 from pathlib import Path
+from typing import IO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meissner import files
+from meissner.inputs import CODE_LIMIT, MAX_FORCE, MAX_SIDE, check_codes
 from meissner.plain import plain
 
-MAX_SIDE = 1024  # rows, columns of the core
-RAW_LIMIT, GAIN_LIMIT, FORCE_LIMIT = 1 << 16, 1 << 16, 65535
+GAIN_LIMIT = 1 << 16
 GAIN_SHIFT = 12
 LEVELS, LEVEL_SHARE = 3, 0.1  # forces needed per cell, and their distance as a share of the largest
 HEADROOM = 1.5  # the range of F over the largest force of the recording
 LEAST_SLOPE, LEAST_FIT = 0.1, 0.8  # dead below this share of the median slope, or of explained variance
 NAMED_CELLS = 20
+_TABLES = (("offset", "iu", "integers"), ("gain", "iu", "integers"), ("dead", "b", "of bool"))
 
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """The tables of msn_calibrate; ``offset``, ``gain`` int32 and ``dead`` bool [rows, columns].
+    """The tables of msn_calibrate; ``offset``, ``gain`` integers and ``dead`` bool [rows, columns].
 
-    ``force_lsb_n``: newtons per code of F.
+    ``force_lsb_n``: newtons per code of F. ValueError with one sentence for tables that no core holds.
     """
 
-    offset: np.ndarray
-    gain: np.ndarray
+    offset: NDArray[np.integer]
+    gain: NDArray[np.integer]
     gain_shift: int
-    dead: np.ndarray
+    dead: NDArray[np.bool_]
     force_lsb_n: float
 
-    def __post_init__(self):
-        if self.offset.ndim != 2 or not self.offset.shape == self.gain.shape == self.dead.shape:
+    def __post_init__(self) -> None:
+        for name, kinds, must in _TABLES:
+            table = getattr(self, name)
+            if not isinstance(table, np.ndarray):
+                raise ValueError(f"{name} must be an array, not {type(table).__name__}")
+            if table.dtype.kind not in kinds:
+                raise ValueError(f"{name} must be {must}, not {table.dtype}")
+        shape = self.offset.shape
+        if len(shape) != 2 or 0 in shape or not shape == self.gain.shape == self.dead.shape:
             raise ValueError("offset, gain and dead must have one shape [rows, columns]")
-        if not (self.offset.min() >= -RAW_LIMIT and self.offset.max() < RAW_LIMIT):
-            raise ValueError(f"the offsets must lie in {-RAW_LIMIT} .. {RAW_LIMIT - 1}")
+        if not (self.offset.min() >= -CODE_LIMIT and self.offset.max() < CODE_LIMIT):
+            raise ValueError(f"the offsets must lie in {-CODE_LIMIT} .. {CODE_LIMIT - 1}")
         if not (self.gain.min() >= 0 and self.gain.max() < GAIN_LIMIT):
             raise ValueError(f"the gains must lie in 0 .. {GAIN_LIMIT - 1}")
-        if not 1 <= self.gain_shift <= 16:
+        if not isinstance(self.gain_shift, Integral) or not 1 <= self.gain_shift <= 16:
             raise ValueError(f"gain_shift = {self.gain_shift} must lie in 1 .. 16")
         if not 0 < self.force_lsb_n < np.inf:
             raise ValueError(f"force_lsb_n = {self.force_lsb_n:g} must be newtons above 0")
 
-    def save(self, file):
+    def save(self, file: IO[bytes]) -> None:
         """Write this calibration as .npz to an open file."""
         np.savez(
             file,
@@ -70,8 +82,11 @@ def _arrays(path, wanted):
     return arrays
 
 
-def load(path):
-    """The Calibration in a file that ``meissner calibrate`` wrote."""
+def load(path: str | PathLike[str]) -> Calibration:
+    """The Calibration in a file that ``meissner calibrate`` wrote.
+
+    ValueError with one sentence if there is no such file or it is not a calibration.
+    """
     names = ("offset", "gain", "gain_shift", "dead", "force_lsb_n")
 
     def wanted(name, shape, _):
@@ -87,11 +102,9 @@ def load(path):
         if name not in arrays:
             raise ValueError(f"{path} is not a calibration: it has no {name}")
     try:
-        for name in ("offset", "gain", "gain_shift"):
-            if arrays[name].dtype.kind not in "iu":
-                raise ValueError(f"{name} must be integers, not {arrays[name].dtype}")
-        if arrays["dead"].dtype != bool:
-            raise ValueError(f"dead must be of bool, not {arrays['dead'].dtype}")
+        for name, kinds, must in (*_TABLES, ("gain_shift", "iu", "integers")):
+            if arrays[name].dtype.kind not in kinds:
+                raise ValueError(f"{name} must be {must}, not {arrays[name].dtype}")
         if arrays["gain_shift"].ndim or arrays["force_lsb_n"].ndim:
             raise ValueError("gain_shift and force_lsb_n must be single numbers")
         if arrays["force_lsb_n"].dtype.kind not in "iuf":
@@ -105,25 +118,6 @@ def load(path):
         )
     except ValueError as problem:
         raise ValueError(f"{path} is not a calibration: {problem}") from None
-
-
-def check_codes(codes, shape=None):
-    """``codes`` as int32 [frames, rows, columns] if they are samples of the core; ValueError if not."""
-    codes = np.asarray(codes)
-    if codes.dtype.kind not in "iufb":
-        raise ValueError(f"the codes must be integers, not {codes.dtype}")
-    if codes.ndim != 3 or 0 in codes.shape:
-        raise ValueError(f"the codes must have the shape [frames, rows, columns], not {codes.shape}")
-    if shape is not None and codes.shape[1:] != shape:
-        sizes = ["×".join(map(str, size)) for size in (codes.shape[1:], shape)]
-        raise ValueError(f"the codes have {sizes[0]} cells but the calibration has {sizes[1]}")
-    if codes.dtype.kind == "f" and not (np.isfinite(codes).all() and (codes == np.rint(codes)).all()):
-        raise ValueError("the codes hold NaN, infinity or numbers that are not integers")
-    if codes.min() < -RAW_LIMIT or codes.max() >= RAW_LIMIT:
-        raise ValueError(
-            f"the codes lie in {codes.min():g} .. {codes.max():g}, outside {-RAW_LIMIT} .. {RAW_LIMIT - 1}"
-        )
-    return codes.astype(np.int32)
 
 
 def cell_forces(force_n, shape, probed=None):
@@ -239,13 +233,19 @@ def line(codes, force_n):
     return slope, mean_code - slope * mean_force, explained
 
 
-def fit(codes, force_n, lsb_n=None, gain_shift=GAIN_SHIFT):
+def fit(
+    codes: NDArray[np.integer],
+    force_n: NDArray[np.floating],
+    lsb_n: float | None = None,
+    gain_shift: int = GAIN_SHIFT,
+) -> tuple[Calibration, NDArray[np.float64]]:
     """The Calibration of a press recording, and its residual: rms newtons of each cell, NaN where dead.
 
     ``codes``: integers; ``force_n``: newtons on every cell, NaN where unknown; both [frames, rows, columns].
     ``lsb_n``: newtons per code of F; by default the finest of 1, 2, 5 times a power of ten with which
     every gain fits its register and F reaches HEADROOM times the largest force. ValueError with one sentence
-    that names the cells if there are not enough presses.
+    if the codes of no cell rise with the force, a register cannot hold a value or there are not enough
+    presses; the sentence names the cells.
     """
     known = ~np.isnan(force_n)
     largest = _check_presses(force_n, known)
@@ -258,14 +258,14 @@ def fit(codes, force_n, lsb_n=None, gain_shift=GAIN_SHIFT):
         raise ValueError("no cell's code rises with the force in a straight line")
     least = (1 << gain_shift) / ((GAIN_LIMIT - 1) * slope[~dead].min())
     if lsb_n is None:
-        lsb_n = _round_up_125(max(least, HEADROOM * largest / FORCE_LIMIT))
+        lsb_n = _round_up_125(max(least, HEADROOM * largest / MAX_FORCE))
     elif not least <= lsb_n < np.inf:
         raise ValueError(
             f"lsb = {lsb_n:g} N must be {least:.3g} N or more: a gain would not fit its register"
         )
     offset = np.where(dead, 0, np.floor(intercept + 0.5)).astype(np.int64)
     gain = np.floor((1 << gain_shift) / (np.where(dead, 1.0, slope) * lsb_n) + 0.5).astype(np.int64)
-    outside = (offset < -RAW_LIMIT) | (offset >= RAW_LIMIT)
+    outside = (offset < -CODE_LIMIT) | (offset >= CODE_LIMIT)
     if outside.any():
         raise ValueError(
             f"the fitted code at zero force lies outside the codes' range in the cells {named(outside)}"

@@ -2,18 +2,32 @@
 
 Each class has ``process(x)``, which starts from reset, and ``next(x)``, which continues the last call:
 ``process(x)`` equals the results of ``next`` over any pieces of ``x``. The numbers are bit-exact with the RTL
-(meissner.twins); meissner.engines runs the same on the RTL itself.
+(meissner.twins); meissner.engines runs the same on the RTL itself. Results are named as in the files of
+``meissner process``; docs/decisions.md lists what each class adds.
+
+Input that the core cannot take raises ValueError, an argument of the wrong class TypeError, each with one
+sentence. Floats are refused even if they are whole, since volts are a common mistake.
 """
 
+from numbers import Integral
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meissner.calibration import Calibration, check_codes
+from meissner.calibration import Calibration
+from meissner.inputs import (
+    check_codes,
+    check_electrodes,
+    check_forces,
+    check_kind,
+    check_min_load,
+    check_range,
+)
 from meissner.physics.cop4_config import Cop4Config
-from meissner.twins.cop import cop as cop_twin
 from meissner.twins.cop import cop4 as cop4_twin
+from meissner.twins.cop.cop_accumulate import moments
+from meissner.twins.cop.cop_divide import cop_divide
 from meissner.twins.frontend import calibrate
 from meissner.twins.slip import slip as slip_twin
 from meissner.twins.slip.config import SlipConfig
@@ -21,16 +35,22 @@ from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import State
 
-MAX_FORCE = 65535
-
 
 class SlipResult(NamedTuple):
-    """Results for every detail (2**level samples); arrays are [channels, details]."""
+    """Results for every detail (2**level samples), [channels, details], then for every window that closes.
+
+    ``slip`` compares only a window's peak-to-peak with the threshold; ``slips`` is the core's decision, which
+    also depends on contact, hold, blanking and movement. Samples are counted from the last reset.
+    """
 
     p2p: NDArray[np.int64]  # peak-to-peak of the window so far, in codes
     state: NDArray[np.int8]  # twins.slip.slip.State: none, contact, incipient, gross, release
     slips: NDArray[np.bool_]  # the state is incipient or gross
     raised: NDArray[np.bool_]  # ... and was not one detail before
+    window_p2p: NDArray[np.int64]  # [channels, windows]: p2p at the window's end; p2p of OUT.npz
+    window_end: NDArray[np.int64]  # [windows]: index of the window's last sample
+    slip: NDArray[np.bool_]  # [channels, windows]: window_p2p > threshold
+    fired_at: NDArray[np.int64]  # [channels, windows]: index of the sample at which slip rose, or -1
 
 
 class CopResult(NamedTuple):
@@ -38,18 +58,57 @@ class CopResult(NamedTuple):
 
     x: NDArray[np.int32]  # Q2.14: -16384 at the left edge, 16384 at the right
     y: NDArray[np.int32]  # Q2.14: -16384 at the bottom edge, 16384 at the top
-    load: NDArray[np.int64]  # sum of the forces, in codes
-    pressed: NDArray[np.bool_]  # x and y are valid
+    sum: NDArray[np.int64]  # of the forces, in codes
+    valid: NDArray[np.bool_]  # sum >= min_load: x and y are valid
+    mx: NDArray[np.int64]  # first moments: x = mx / ((columns - 1) sum)
+    my: NDArray[np.int64]
+
+    @property
+    def load(self) -> NDArray[np.int64]:
+        """``sum``, by the core's name."""
+        return self.sum
+
+    @property
+    def pressed(self) -> NDArray[np.bool_]:
+        """``valid``, by the core's name."""
+        return self.valid
+
+
+class Cop4Result(NamedTuple):
+    """Results for every sample."""
+
+    x: NDArray[np.int32]  # Q2.14, as in CopResult
+    y: NDArray[np.int32]
+    load: NDArray[np.int64]  # in units of Cop4Config.load_lsb_n
+    valid: NDArray[np.bool_]  # loaded and without faults: x and y are valid
+    over: NDArray[np.bool_]  # the load exceeds its 16 bits
+    saturated: NDArray[np.bool_]  # an electrode is at the end of the converter's range
+    imbalance: NDArray[np.bool_]  # the electrodes' currents disagree
+    open: NDArray[np.int64]  # electrodes without contact; bit 0 is E1
+
+    @property
+    def pressed(self) -> NDArray[np.bool_]:
+        """``valid``, by the core's name."""
+        return self.valid
+
+
+def _check_class(name, value, wanted):
+    if not isinstance(value, wanted):
+        raise TypeError(f"{name} must be a meissner.{wanted.__name__}, not {type(value).__name__}")
 
 
 class Slip:
     """Slip of ``channels`` sensors, each with its own state (rtl/slip/msn_slip_path.sv).
 
-    ``config``: thresholds in codes, times in details; ValueError in one sentence for settings of no core.
+    ``config``: thresholds in codes, times in details. TypeError if it is no SlipConfig, ValueError for a
+    number of channels that no core has.
     """
 
     def __init__(self, config: SlipConfig | None = None, channels: int = 1) -> None:
         self.config = config = SlipConfig() if config is None else config
+        _check_class("config", config, SlipConfig)
+        if not isinstance(channels, Integral):
+            raise ValueError(f"channels = {channels} must be an integer")
         group = 1 << config.level
         self._haar = Haar(channels, config.level)
         self._peak_to_peak = PeakToPeak(channels, config.window // group, config.hop // group)
@@ -62,38 +121,53 @@ class Slip:
         for block in (self._haar, self._peak_to_peak, self._slip):
             block.reset()
         self._slipped = np.zeros((self.channels, 1), dtype=bool)
-        self._seen = 0  # samples of the unfinished group
+        self._over = np.zeros((self.channels, 0), dtype=bool)  # of the details of the unfinished window
+        self._seen = 0  # samples
 
     def next(self, x: ArrayLike, moving: ArrayLike | None = None) -> SlipResult:
-        """Decisions about the details that ``x`` completes.
+        """Decisions about the details and windows that ``x`` completes.
 
-        ``x``: codes, integers of 17 bits [channels, samples], or [samples] of one channel; ``moving``
-        [samples]: while the hand itself moves no slip is raised.
+        ``x``: codes, integers of 17 bits [channels, samples], or [samples] of one channel; it may be empty.
+        ``moving``: bool [samples]; while the hand itself moves no slip is raised. ValueError for another
+        shape, floats and codes of more than 17 bits; the state then stays.
         """
         x = np.atleast_2d(np.asarray(x))
-        half = 1 << 16
         if x.ndim != 2 or len(x) != self.channels:
             raise ValueError(f"the samples must have the shape [{self.channels}, samples], not {x.shape}")
-        if x.dtype.kind not in "iub":
-            raise ValueError(f"the samples must be integers, not {x.dtype}")
-        if x.size and (x.min() < -half or x.max() >= half):
-            raise ValueError(f"the samples lie in {x.min()} .. {x.max()}, outside {-half} .. {half - 1}")
-        detail, total = self._haar.next(x)
+        if x.size:  # NumPy takes an empty list for floats
+            check_range(check_kind(x, "samples", floats=False))
         if moving is not None:
-            moving = np.asarray(moving, dtype=bool)
+            moving = check_kind(moving, "values of moving", floats=x.size == 0).astype(bool)
             if moving.shape != x.shape[1:]:
                 raise ValueError(f"moving must have the shape {x.shape[1:]}, not {moving.shape}")
-            moving = moving[self._group - 1 - self._seen :: self._group]
-        self._seen = (self._seen + x.shape[1]) % self._group
-        p2p, _ = self._peak_to_peak.next(detail)
+            moving = moving[self._group - 1 - self._seen % self._group :: self._group]
+        first = self._seen // self._group
+        self._seen += x.shape[1]
+        detail, total = self._haar.next(x)
+        p2p, end = self._peak_to_peak.next(detail)
         state = self._slip.next(p2p, total, moving)
         slips = (state == State.INCIPIENT) | (state == State.GROSS)
         before = np.concatenate([self._slipped, slips], axis=1)
         self._slipped = before[:, -1:]
-        return SlipResult(p2p, state, slips, slips & ~before[:, :-1])
+        window_end = (first + np.flatnonzero(end) + 1) * self._group - 1
+        over = p2p > self.config.threshold
+        windows = (p2p[:, end], window_end, over[:, end], self._fired(over, window_end, over[:, end]))
+        return SlipResult(p2p, state, slips, slips & ~before[:, :-1], *windows)
+
+    def _fired(self, over, window_end, slip):
+        """The sample at which the flag of each window rose: in tumbling windows, its first detail over."""
+        rose = np.broadcast_to(window_end, slip.shape)
+        if self.config.hop == self.config.window:
+            over = np.concatenate([self._over, over], axis=1)
+            span = self.config.window // self._group
+            whole = len(window_end) * span
+            self._over = over[:, whole:]
+            inside = over[:, :whole].reshape(self.channels, len(window_end), span)
+            rose = window_end - self.config.window + (inside.argmax(axis=2) + 1) * self._group
+        return np.where(slip, rose, -1)
 
     def process(self, x: ArrayLike, moving: ArrayLike | None = None) -> SlipResult:
-        """``reset``, then ``next``."""
+        """``reset``, then ``next``, with the errors of ``next``."""
         self.reset()
         return self.next(x, moving)
 
@@ -101,58 +175,80 @@ class Slip:
 class Cop:
     """Centre of pressure and load of frames of forces (rtl/cop/msn_cop.sv); no state between frames.
 
-    ``min_load``: the smallest sum with a valid position.
+    ``min_load``: the smallest sum with a valid position. ValueError if no core's register holds it.
     """
 
     def __init__(self, min_load: int = 1) -> None:
-        self.min_load = min_load
+        self.min_load = check_min_load(min_load)
 
     def next(self, forces: ArrayLike) -> CopResult:
-        """Results for ``forces``, integers 0 .. 65535 [frames, rows, columns]."""
-        forces = np.asarray(forces)
-        if forces.ndim != 3 or 0 in forces.shape:
-            raise ValueError(f"the forces must have the shape [frames, rows, columns], not {forces.shape}")
-        if forces.dtype.kind not in "iub" or forces.min() < 0 or forces.max() > MAX_FORCE:
-            raise ValueError(f"the forces must be integers in 0 .. {MAX_FORCE}")
-        return CopResult(*cop_twin.cop(forces, min_load=self.min_load))
+        """Results for ``forces``, integers 0 .. 65535 [frames, rows, columns], 1024 × 1024 at most.
 
-    process = next
+        ValueError for another shape, no frames, floats, forces out of range and a ``min_load`` beyond the
+        register of an array of this size.
+        """
+        forces = check_forces(forces, floats=False)
+        rows, columns = forces.shape[1:]
+        check_min_load(self.min_load, rows, columns)
+        total, mx, my = moments(forces)
+        x, y, valid = cop_divide(total, mx, my, rows, columns, min_load=self.min_load)
+        return CopResult(x, y, total, valid, mx, my)
+
+    def process(self, forces: ArrayLike) -> CopResult:
+        """The same as ``next``."""
+        return self.next(forces)
 
 
 class Array:
     """A calibrated array: codes to forces to the centre of pressure (rtl/cop/msn_cop_array.sv).
 
     ``calibration``: from meissner.calibration.load or ``fit``; faulty cells give 0. ``min_load``: as in Cop.
+    TypeError if ``calibration`` is no Calibration, ValueError if the array's register does not hold
+    ``min_load``.
     """
 
     def __init__(self, calibration: Calibration, min_load: int = 1) -> None:
+        _check_class("calibration", calibration, Calibration)
+        check_min_load(min_load, *calibration.offset.shape)
         self.calibration, self._cop = calibration, Cop(min_load)
 
     def forces(self, codes: ArrayLike) -> NDArray[np.int64]:
-        """Forces 0 .. 65535 of codes, integers of 17 bits [frames, rows, columns]."""
+        """Forces 0 .. 65535 of codes, integers of 17 bits [frames, rows, columns].
+
+        ValueError for another shape than the calibration's, no frames, floats and codes of more than 17 bits.
+        """
         own = self.calibration
-        codes = check_codes(codes, own.offset.shape)
+        codes = check_codes(codes, own.offset.shape, floats=False)
         return calibrate.forces(codes, own.offset, own.gain, own.gain_shift, mask=own.dead)
 
     def next(self, codes: ArrayLike) -> CopResult:
-        """Results for codes, integers of 17 bits [frames, rows, columns]."""
+        """Results for codes as in ``forces``, with the same errors."""
         return self._cop.next(self.forces(codes))
 
-    process = next
+    def process(self, codes: ArrayLike) -> CopResult:
+        """The same as ``next``."""
+        return self.next(codes)
 
 
 class Cop4:
     """Position and load of the published four-wire sensor (rtl/cop/msn_cop4.sv); no state between samples.
 
-    ``config``: meissner.physics.cop4_config.Cop4Config, with mesh, amplifiers and converter.
+    ``config``: mesh, amplifiers and converter; TypeError if it is no Cop4Config.
     """
 
     def __init__(self, config: Cop4Config) -> None:
+        _check_class("config", config, Cop4Config)
         self.config = config
 
-    def next(self, codes: ArrayLike) -> cop4_twin.Cop4:
-        """x, y, load, pressed and faults [samples] of the codes of E1 to E4, integers [samples, 4]."""
-        own = self.config
-        return cop4_twin.cop4(codes, own.registers, own.sample_bits, own.terms)
+    def next(self, codes: ArrayLike) -> Cop4Result:
+        """Results for the codes of E1 to E4, integers of the converter's bits [samples, 4].
 
-    process = next
+        ValueError for another shape, no samples, floats and codes that the converter does not give.
+        """
+        own = self.config
+        codes = check_electrodes(codes, own.adc.bits, floats=False)
+        return Cop4Result(*cop4_twin.cop4(codes, own.registers, own.sample_bits, own.terms))
+
+    def process(self, codes: ArrayLike) -> Cop4Result:
+        """The same as ``next``."""
+        return self.next(codes)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import cocotb_tools.config
 import numpy as np
+import platformdirs
 import pytest
 
 from meissner.builds import toolchain
@@ -104,6 +105,12 @@ def test_without_a_home_that_can_be_written_to(tmp_path, monkeypatch, cache):
     (tmp_path / "a b/top.sv").touch()
     link = toolchain.for_make(tmp_path / "a b/top.sv")
     assert link.samefile(tmp_path / "a b/top.sv") and not link.is_relative_to("/proc")
+
+
+def test_links_are_in_the_user_s_cache(tmp_path, monkeypatch, cache):
+    """As platformdirs says, like the cores of an installed package."""
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "own" / name)
+    assert toolchain._elsewhere() == tmp_path / "own/meissner"
 
 
 def test_two_threads_link_at_once(tmp_path, cache, monkeypatch):

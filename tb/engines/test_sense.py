@@ -1,6 +1,7 @@
 """The public interface: results by hand, equal results in pieces of any size and in one call, and refused
 input."""
 
+import dataclasses
 import inspect
 from itertools import pairwise
 
@@ -8,10 +9,9 @@ import numpy as np
 import pytest
 
 import meissner
-from meissner import engines
+from meissner import calibration, engines, sense
 from meissner.engines.protocol import Engine
 from meissner.physics.adc import Adc
-from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh
 from meissner.twins.slip.slip import State
 
@@ -22,6 +22,15 @@ CONFIG = meissner.SlipConfig(
 SAMPLES = [50, 50, 55, 50, 60, 50, 52, 60, 50, 50, 40, 40]
 DETAILS = [0, 5, 10, -8, 0, 0]
 P2P = [0, 5, 0, 18, 0, 0]  # each window alone: |5 - 0|, |-8 - 10|, 0
+LINES = meissner.Calibration(
+    offset=np.array([[10, 20, 30]]),
+    gain=np.array([[4096, 8192, 2048]]),
+    gain_shift=12,
+    dead=np.array([[False, False, True]]),
+    force_lsb_n=0.01,
+)
+MESH = Mesh(4, 5, 10.0, 1e3, 5.0, 4320.0)
+WIRES = meissner.Cop4Config(MESH, Adc(16, -5.0, 5.0), gain=0.9)
 STATES = [State.CONTACT, State.CONTACT, State.CONTACT, State.INCIPIENT, State.CONTACT, State.RELEASE]
 
 
@@ -30,6 +39,26 @@ def test_slip_by_hand():
     assert found.p2p.tolist() == [P2P]
     assert found.state.tolist() == [STATES]
     assert found.slips.tolist() == found.raised.tolist() == [[False, False, False, True, False, False]]
+
+
+def test_windows_by_hand():
+    """Windows of 8 samples have 4 details: 0, 5, 10, -8, of which the third exceeds 9, at sample 5; then 0, 0
+    and 10, -10. Overlapping windows fire at their end."""
+    config = dataclasses.replace(CONFIG, window=8, hop=8)
+    slip = meissner.Slip(config)
+    first, second = slip.next(SAMPLES), slip.next([50, 40, 40, 50])
+    for found, p2p, end, fired in ((first, 18, 7, 5), (second, 20, 15, 13)):
+        assert found.window_p2p.tolist() == [[p2p]] and found.window_end.tolist() == [end]
+        assert found.slip.tolist() == [[True]] and found.fired_at.tolist() == [[fired]]
+    for threshold, fired in ((10, 7), (17, 7), (18, -1)):  # 10 and 18 are reached, but not exceeded
+        found = meissner.Slip(dataclasses.replace(config, threshold=threshold)).process(SAMPLES)
+        assert (found.slip.tolist(), found.fired_at.tolist()) == ([[fired == 7]], [[fired]])
+    found = meissner.Slip(dataclasses.replace(config, hop=4)).process(SAMPLES)
+    assert (found.window_p2p.tolist(), found.window_end.tolist()) == ([[18, 18]], [7, 11])
+    assert found.fired_at.tolist() == [[7, 11]]
+    found = meissner.Slip(CONFIG).process(SAMPLES)
+    assert (found.window_p2p.tolist(), found.window_end.tolist()) == ([[5, 18, 0]], [3, 7, 11])
+    assert (found.slip.tolist(), found.fired_at.tolist()) == ([[False, True, False]], [[-1, 7, -1]])
 
 
 def test_a_hand_that_moves_raises_no_slip():
@@ -51,19 +80,27 @@ def test_pieces_give_what_the_whole_gives(level, window, hop):
     slip.reset()
     parts = [slip.next(x[:, a:b], moving[a:b]) for a, b in pairwise(cuts)]
     for name in whole._fields:
-        pieces = np.concatenate([getattr(part, name) for part in parts], axis=1)
+        pieces = np.concatenate([getattr(part, name) for part in parts], axis=-1)
         assert np.array_equal(pieces, getattr(whole, name)), name
     again = slip.process(x, moving)
     assert all(np.array_equal(a, b) for a, b in zip(whole, again))
 
 
-def test_slip_is_the_engines():
-    """The peak-to-peak of complete windows, against PyWavelets."""
-    x = np.random.default_rng(5).integers(-40, 40, (2, 640))
-    config = meissner.SlipConfig(window=64, hop=64, threshold=140)
-    p2p = meissner.Slip(config, channels=2).process(x).p2p[:, 31::32]
-    expected = np.rint(engines.process_slip(x, config, "float")["p2p"])
-    assert np.array_equal(p2p, expected) and (expected > 140).any()
+@pytest.mark.parametrize("level, hop, threshold", [(1, 64, 140), (1, 32, 140), (2, 16, 190), (3, 64, 240)])
+def test_slip_is_the_engines(level, hop, threshold):
+    """The arrays of ``meissner process slip``, against PyWavelets, in pieces; the last window stays open."""
+    x = np.random.default_rng(5).integers(-40, 40, (2, 1311))
+    config = meissner.SlipConfig(window=64, hop=hop, level=level, threshold=threshold)
+    slip = meissner.Slip(config, channels=2)
+    parts = [slip.next(part) for part in np.split(x, [3, 3, 30, 700, 801], axis=1)]
+    expected = engines.process_slip(x, config, "float")
+    assert list(expected) == ["p2p", "window_end", "slip", "fired_at"]
+    assert expected["slip"].any() and not expected["slip"].all()
+    for name in expected:
+        own = "window_p2p" if name == "p2p" else name
+        found = np.concatenate([getattr(part, own) for part in parts], axis=-1)
+        assert found.dtype == (bool if name == "slip" else np.int64)
+        assert np.array_equal(found, np.rint(expected[name])), name
 
 
 def test_cop_by_hand():
@@ -72,20 +109,28 @@ def test_cop_by_hand():
     forces[0, 1, 6] = 900
     found = meissner.Cop(min_load=900).process(forces)
     assert (found.x.tolist(), found.y.tolist()) == ([11703, 0], [5461, 0])
-    assert (found.load.tolist(), found.pressed.tolist()) == ([900, 0], [True, False])
+    assert (found.sum.tolist(), found.valid.tolist()) == ([900, 0], [True, False])
+    assert (found.mx.tolist(), found.my.tolist()) == ([4500, 0], [900, 0])  # 2·6 - 7 and 3 - 2·1 times 900
+    assert found.load is found.sum and found.pressed is found.valid
     assert not meissner.Cop(min_load=901).next(forces).pressed.any()
+
+
+def test_results_have_the_names_of_the_files():
+    """docs/decisions.md; the arrays are those of ``meissner process``, with the same kinds of numbers."""
+    assert {"sum", "mx", "my", "x", "y", "valid"} <= set(sense.CopResult._fields)
+    assert {"x", "y", "load", "valid"} <= set(sense.Cop4Result._fields)
+    assert {"window_end", "slip", "fired_at"} <= set(sense.SlipResult._fields)
+    forces = np.random.default_rng(6).integers(0, 9, (20, 3, 5))
+    found = meissner.Cop(min_load=60).process(forces)
+    assert found.valid.any() and not found.valid.all()
+    for name, array in engines.process_cop(forces, "float", min_load=60).items():
+        own = getattr(found, name)
+        assert np.array_equal(own, array) and own.dtype == engines.process_cop(forces, "fixed")[name].dtype
 
 
 def test_array_by_hand():
     """F = (code - offset) gain / 2^12, half up; the dead cell gives 0."""
-    calibration = meissner.Calibration(
-        offset=np.array([[10, 20, 30]]),
-        gain=np.array([[4096, 8192, 2048]]),
-        gain_shift=12,
-        dead=np.array([[False, False, True]]),
-        force_lsb_n=0.01,
-    )
-    array = meissner.Array(calibration)
+    array = meissner.Array(LINES)
     codes = np.array([[[13, 21, 500]]])
     assert array.forces(codes).tolist() == [[[3, 2, 0]]]
     found = array.process(codes)
@@ -94,16 +139,15 @@ def test_array_by_hand():
 
 def test_cop4_is_what_the_voltages_say():
     """The voltages come from the mesh's own solver: one point at column 3 of 5, row 1 of 4."""
-    mesh = Mesh(4, 5, 10.0, 1e3, 5.0, 4320.0)
-    config = Cop4Config(mesh, Adc(16, -5.0, 5.0), gain=0.9)
     load = np.zeros((1, 4, 5))
     load[0, 1, 3] = 6.0
-    solution = mesh.solve(load)
+    solution = MESH.solve(load)
     volts = np.stack([solution.E1, solution.E2, solution.E3, solution.E4], axis=-1)
-    found = meissner.Cop4(config).process(config.convert(volts))
-    assert found.pressed.all()
+    found = meissner.Cop4(WIRES).process(WIRES.convert(volts))
+    assert found.valid.all() and found.pressed is found.valid
+    assert not (found.over | found.saturated | found.imbalance | (found.open > 0)).any()
     assert abs(found.x[0] / 16384 - 0.5) < 0.01 and abs(found.y[0] / 16384 - 1 / 3) < 0.01
-    assert abs(found.load[0] * config.load_lsb_n - 6) < 0.3
+    assert abs(found.load[0] * WIRES.load_lsb_n - 6) < 0.3
 
 
 @pytest.mark.parametrize(
@@ -114,15 +158,48 @@ def test_cop4_is_what_the_voltages_say():
         (lambda: meissner.Slip().next([65536, 1]), "lie in 1 .. 65536, outside -65536 .. 65535"),
         (lambda: meissner.Slip().next([-65537, 1]), "outside -65536 .. 65535"),
         (lambda: meissner.Slip().next([1, 2], [True]), r"moving must have the shape \(2,\)"),
+        (
+            lambda: meissner.Slip().next([1, 2], [0.5, 1]),
+            "the values of moving must be integers, not float64",
+        ),
         (lambda: meissner.Slip(channels=0), "channels = 0 must lie in"),
+        (lambda: meissner.Slip(channels=1.5), r"channels = 1\.5 must be an integer"),
+        (lambda: meissner.Slip(config=3), "config must be a meissner.SlipConfig, not int"),
         (lambda: meissner.Cop().next([[1, 2]]), r"not \(1, 2\)"),
-        (lambda: meissner.Cop().next([[[65536]]]), "integers in 0 .. 65535"),
-        (lambda: meissner.Cop().next([[[-1]]]), "integers in 0 .. 65535"),
+        (lambda: meissner.Cop().next([[[65536]]]), "lie in 65536 .. 65536, outside 0 .. 65535"),
+        (lambda: meissner.Cop().next([[[-1]]]), "lie in -1 .. -1, outside 0 .. 65535"),
+        (lambda: meissner.Cop().next([[[1.0]]]), "the forces must be integers, not float64"),
+        (lambda: meissner.Cop().next(np.zeros((0, 2, 2), int)), r"not \(0, 2, 2\)"),
+        (lambda: meissner.Cop().next(np.zeros((1, 1025, 1), int)), "1025 rows are more than the core's 1024"),
+        (lambda: meissner.Cop(min_load=-1), "min_load = -1 must lie in 0 .. 68719476735"),
+        (lambda: meissner.Cop(min_load=1 << 36), "min_load = 68719476736 must lie in"),
+        (lambda: meissner.Cop(min_load=1.5), r"min_load = 1\.5 must be an integer"),
+        (lambda: meissner.Cop(1 << 19).next([[[1] * 8]]), "min_load = 524288 must lie in 0 .. 524287"),
+        (lambda: meissner.Array(LINES, -5), "min_load = -5 must lie in 0 .. 262143"),
+        (lambda: meissner.Array(LINES, 1 << 18), "min_load = 262144 must lie in 0 .. 262143"),
+        (lambda: meissner.Array(LINES, "1"), "min_load = 1 must be an integer"),
+        (lambda: meissner.Array(3), "calibration must be a meissner.Calibration, not int"),
+        (lambda: meissner.Array(LINES).next([[[1.0, 2, 3]]]), "the codes must be integers, not float64"),
+        (lambda: meissner.Array(LINES).next([[[65536, 2, 3]]]), "outside -65536 .. 65535"),
+        (lambda: meissner.Array(LINES).next([[[1, 2]]]), "have 1×2 cells but the calibration has 1×3"),
+        (lambda: meissner.Cop4(3), "config must be a meissner.Cop4Config, not int"),
+        (lambda: meissner.Cop4(WIRES).next([[1.0, 2, 3, 4]]), "the codes must be integers, not float64"),
+        (lambda: meissner.Cop4(WIRES).next([[1, 2, 3]]), r"not \(1, 3\)"),
+        (lambda: meissner.Cop4(WIRES).next([[32768, 0, 0, 0]]), "outside -32768 .. 32767 of 16 bits"),
+        (lambda: meissner.Cop4Config(MESH, 16, 0.9), "adc must be a meissner.physics.adc.Adc, not int"),
+        (
+            lambda: meissner.Cop4Config("mesh", WIRES.adc, 0.9),
+            "mesh must be a meissner.physics.mesh.mesh.Mesh",
+        ),
+        (lambda: dataclasses.replace(LINES, offset=[1, 2, 3]), "offset must be an array, not list"),
+        (lambda: dataclasses.replace(LINES, gain=LINES.gain + 0.5), "gain must be integers, not float64"),
+        (lambda: dataclasses.replace(LINES, dead=LINES.gain), "dead must be of bool, not int64"),
+        (lambda: dataclasses.replace(LINES, gain_shift=1.5), r"gain_shift = 1\.5 must lie in"),
         (lambda: meissner.nothing, "has no attribute 'nothing'"),
     ],
 )
 def test_refuses_in_one_sentence(call, says):
-    with pytest.raises((ValueError, AttributeError), match=says) as caught:
+    with pytest.raises((ValueError, TypeError, AttributeError), match=says) as caught:
         call()
     assert "\n" not in str(caught.value)
 
@@ -143,3 +220,36 @@ def test_every_engine_has_what_the_protocol_says(name):
 def test_limits_are_met_exactly():
     assert meissner.Slip().next([65535, -65536]).p2p.shape == (1, 1)
     assert meissner.Cop().next([[[65535, 0]]]).load.tolist() == [65535]
+    assert meissner.Cop((1 << 19) - 1).next([[[1] * 8]]).sum.tolist() == [8]
+    assert not meissner.Cop((1 << 36) - 1).next(np.ones((1, 1024, 1024), int)).valid.any()
+    assert meissner.Array(LINES, (1 << 18) - 1).next([[[-65536, 65535, 0]]]).sum.tolist() == [65535]
+    assert meissner.Cop4(WIRES).next([[-32768, 32767, 0, 0]]).saturated.all()
+
+
+def test_refused_samples_leave_the_state_and_empty_ones_are_taken():
+    slip = meissner.Slip(CONFIG)
+    slip.next(SAMPLES[:5])
+    for refused in ([0.5], [65536]):
+        with pytest.raises(ValueError):
+            slip.next(refused)
+    assert slip.next([]).p2p.shape == slip.next([], []).state.shape == (1, 0)
+    found = slip.next(SAMPLES[5:])
+    assert (found.p2p.tolist(), found.window_end.tolist()) == ([P2P[2:]], [7, 11])
+
+
+def methods(kind):
+    own = {name: part for name, part in vars(kind).items() if name[0] != "_" or name == "__init__"}
+    return [part for part in own.values() if inspect.isfunction(part)]
+
+
+NAMED = (calibration.load, calibration.fit, engines.load)  # by the docstrings of the classes and of sense
+NAMED += (engines.process_slip, engines.process_cop, engines.process_cop4)
+PUBLIC = [*(method for name in meissner.__all__ for method in methods(getattr(meissner, name))), *NAMED]
+
+
+@pytest.mark.parametrize("function", PUBLIC, ids=lambda function: function.__qualname__)
+def test_every_signature_is_typed(function):
+    """The wheel carries py.typed."""
+    signature = inspect.signature(function)
+    kinds = [given.annotation for name, given in signature.parameters.items() if name != "self"]
+    assert inspect.Signature.empty not in [*kinds, signature.return_annotation]

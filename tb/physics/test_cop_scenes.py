@@ -122,7 +122,7 @@ def test_a_recorded_step_goes_from_heel_to_toe():
 
 def test_the_data_are_asked_for_when_absent(monkeypatch):
     monkeypatch.setattr(plantar, "find_spec", lambda _: None)
-    with pytest.raises(ValueError, match="jiku-data and h5py: make setup"):
+    with pytest.raises(ValueError, match=r"jiku-data and h5py: pip install 'meissner\[recordings\]'"):
         scenes.simulate(scenes.load("plantar_step"))
 
 

@@ -249,5 +249,5 @@ def test_through_a_scheduler(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="no scheduler answers at tcp://there: nobody there"):
         Cluster("tcp://there")
     monkeypatch.setitem(sys.modules, "dask.distributed", None)
-    with pytest.raises(ValueError, match="--scheduler needs Dask: pip install distributed"):
+    with pytest.raises(ValueError, match=r"--scheduler needs Dask: pip install 'meissner\[dask\]'"):
         Cluster("tcp://here:8786")

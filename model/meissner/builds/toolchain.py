@@ -18,15 +18,19 @@ CHECKOUT = (PACKAGE.parents[1] / "rtl/rtl.f").is_file()
 ROOT = PACKAGE.parents[1] if CHECKOUT else PACKAGE / "sources"
 
 
+def _user_cache():
+    from platformdirs import user_cache_path
+
+    return user_cache_path("meissner")
+
+
 def _build():
     """The folder in which cores are built: in the checkout, or in the user's cache, one per version."""
     if CHECKOUT:
         return ROOT / "build"
     from importlib.metadata import version
 
-    from platformdirs import user_cache_path
-
-    return user_cache_path("meissner") / version("meissner")
+    return _user_cache() / version("meissner")
 
 
 BUILD = _build()
@@ -77,7 +81,7 @@ _FOR_MAKE = re.compile(r"[A-Za-z0-9_./@+,-]+")
 @cache
 def _elsewhere():
     """A folder whose path make can read: in the user's cache, or a temporary one of this process."""
-    kept = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "meissner"
+    kept = _user_cache()
     if _FOR_MAKE.fullmatch(str(kept)):
         try:
             kept.mkdir(parents=True, exist_ok=True)

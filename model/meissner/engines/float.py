@@ -4,9 +4,10 @@ import numpy as np
 import pywt
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from meissner.engines import COP_ONE, MAX_CODE, MAX_FORCE, Watched, moving_of_details
+from meissner.engines import COP_ONE, MAX_CODE, Watched, moving_of_details
 from meissner.engines.float_cop4 import cop4, cop4_of_volts, cop_slip  # noqa: F401 - of this engine
 from meissner.engines.float_slip import states
+from meissner.inputs import MAX_FORCE
 
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
 HALF_CODE = 0.5

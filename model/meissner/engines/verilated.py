@@ -75,7 +75,8 @@ def check_room(found):
 def library(top, driver, parameters, trace=False, include=None):
     """Path of the library of ``top`` with these parameters and ``driver``, built now unless it exists.
 
-    ``driver``: a .cpp file in this folder; its .vlt, if it exists, names the internal signals that it reads.
+    ``driver``: a .cpp file, by its name if it is in this folder; its .vlt, if it exists, names the internal
+    signals that it reads.
     ``include``: folder of a board's msn_build.svh, from the repository's root, for rtl/boards.
     """
     environment = toolchain.environment()

@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
 from meissner.physics import mesh_loads
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_registers import cop4_registers, correct_registers
@@ -29,7 +32,8 @@ class Cop4Config:
     """``adc``: symmetric about 0 V, after amplifiers of ``gain``: code = volts gain / lsb.
 
     ``load_lsb_n``, ``min_load_n``: newtons; ``touch``: the kind of touch that the load's correction is fitted
-    to, or "none". ValueError with one sentence if a value exceeds the converter's range or a register.
+    to, or "none". ValueError with one sentence if a value exceeds the converter's range or a register,
+    TypeError if ``mesh`` is no Mesh or ``adc`` no Adc.
     """
 
     mesh: Mesh
@@ -39,7 +43,12 @@ class Cop4Config:
     min_load_n: float = 0.05
     touch: str = "none"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        for name, wanted in (("mesh", Mesh), ("adc", Adc)):
+            given = getattr(self, name)
+            if not isinstance(given, wanted):
+                where = f"{wanted.__module__}.{wanted.__name__}"
+                raise TypeError(f"{name} must be a {where}, not {type(given).__name__}")
         if not MIN_BITS <= self.adc.bits <= MAX_BITS:
             raise ValueError(f"bits = {self.adc.bits} must lie in {MIN_BITS} .. {MAX_BITS}")
         if self.touch not in TOUCHES:
@@ -47,12 +56,12 @@ class Cop4Config:
         self.registers.check(self.sample_bits)
 
     @property
-    def sample_bits(self):
+    def sample_bits(self) -> int:
         """SampleBits of the core."""
         return max(MIN_SAMPLE_BITS, self.adc.bits)
 
     @property
-    def volts_per_code(self):
+    def volts_per_code(self) -> float:
         return self.adc.lsb_v / self.gain
 
     @cached_property
@@ -78,6 +87,8 @@ class Cop4Config:
         """The correction's registers; None for a core built without it."""
         return self._both[1]
 
-    def convert(self, volts, rng=None):
+    def convert(
+        self, volts: NDArray[np.floating], rng: np.random.Generator | None = None
+    ) -> NDArray[np.int64]:
         """Codes [samples, 4] of electrode voltages [samples, 4]; noise only with ``rng``."""
         return self.adc.convert(volts * self.gain, rng)[0]

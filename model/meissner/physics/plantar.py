@@ -21,7 +21,7 @@ def step(subject, trial):
     """One step, uint16 [frames, 63, 33], from the frame before the first load to the frame after the last."""
     found = find_spec("jikudata")
     if found is None or find_spec("h5py") is None:
-        raise ValueError("the recorded steps need the packages jiku-data and h5py: make setup installs both")
+        raise ValueError("the recorded steps need jiku-data and h5py: pip install 'meissner[recordings]'")
     import h5py
 
     folder = Path(found.submodule_search_locations[0]) / "datasets" / DATASET / "data_y"

@@ -19,7 +19,7 @@ class Cluster:
         try:
             from dask.distributed import Client, wait
         except ImportError:
-            raise ValueError("--scheduler needs Dask: pip install distributed") from None
+            raise ValueError("--scheduler needs Dask: pip install 'meissner[dask]'") from None
         try:
             self.client = Client(address, timeout="20s")
         except (OSError, ValueError) as problem:

@@ -215,23 +215,3 @@ def eliminate(circuit):
     upper = np.zeros(2 * cells + 4, bool)
     upper[:cells] = upper[2 * cells] = upper[2 * cells + 2] = True
     return np.where(upper, values[:, 1], -values[:, 0])
-
-
-def precise(circuit, digits=50):
-    """Drops [2mn+4] as mpmath numbers of ``digits`` digits: slow, for at most a few dozen nodes."""
-    import mpmath
-
-    with mpmath.workdps(digits):
-        size = len(circuit.live)
-        A, b = mpmath.zeros(size), mpmath.zeros(size, 1)
-        for p, q, g, emf in zip(circuit.p.tolist(), circuit.q.tolist(), circuit.g, circuit.emf):
-            g, emf = mpmath.mpf(float(g)), mpmath.mpf(float(emf))
-            A[p, p] += g
-            b[p] += g * emf
-            if q != GROUND:
-                A[q, q] += g
-                A[p, q] -= g
-                A[q, p] -= g
-                b[q] -= g * emf
-        z = mpmath.lu_solve(A, b)
-        return [z[int(s)] + mpmath.mpf(float(o)) for s, o in zip(circuit.place, circuit.offset)]
