@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import hypothesis.strategies as st
 
-from meissner.twins.link import bridge, cobs, crc32, image_chunks, packet, packet_slip, uart_rx, uart_tx
+from meissner.twins.link import bridge, cobs, crc32, packet, packet_slip, uart_rx, uart_tx
 from meissner.twins.link.decoder import Decoder
 from reference import exact
 from verify.extremes import row
@@ -69,42 +69,6 @@ def framed(kind, number, time, payload):
 
 
 TIMES = [0, 1, 2**32 - 1, 2**32, 2**47, 2**48 - 1]
-
-
-@row(
-    "image_chunks",
-    {"": "0"},
-    ends="an image's number turns over at 256: by contract (docs/link.md)",
-    rtl=["tb/link/test_image_chunks.py::test_image_chunks"],
-)
-def image_chunks_(see):
-    for taxels in (2, 115, 116, 117, 65536 if see.long else 4096):
-        for chunk in (1, 115, 116):
-            parts = image_chunks.cut(range(taxels), chunk)
-            count = -(-taxels // chunk)
-            see.near(len(parts), count, (taxels, chunk))
-            see.all_near([part[0] for part in parts], range(0, taxels, chunk), [(taxels, chunk)] * count)
-            see.same([part[1] for part in parts], [False] * (count - 1) + [True], (taxels, chunk))
-            see.same([place for part in parts for place in part[2]], list(range(taxels)), (taxels, chunk))
-            see.same({len(part[2]) for part in parts[:-1]} <= {chunk}, True, (taxels, chunk))
-    twin = image_chunks.ImageChunks(2, 2)
-    for image in range(514):
-        for beat in ((65535, 0, 2**48 - 1), (0, 1, 0)):
-            twin.next(beat)
-        twin.next()
-        see.same(twin.waiting, (2**48 - 1, image % 256, 0, True), f"image {image}")
-        twin.next(take=True)
-        taxels = []
-        for _ in range(2):
-            taxels.append(twin.taxel)
-            twin.next(step=True)
-        twin.next()
-        see.same(taxels, [65535, 0], f"image {image}")
-    for taxels in (1, 65537):
-        see.refused(image_chunks.ImageChunks, taxels)
-    for chunk in (0, 117):
-        see.refused(image_chunks.ImageChunks, 9, chunk)
-        see.refused(image_chunks.cut, [0], chunk)
 
 
 @row(
