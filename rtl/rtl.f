@@ -73,6 +73,7 @@ rtl/actuate/msn_actuate.sv
 rtl/link/msn_crc32.sv
 rtl/link/msn_packet_slip.sv
 rtl/link/msn_image_store.sv
+rtl/link/msn_image_chunks.sv
 rtl/link/msn_packet.sv
 rtl/link/msn_cobs.sv
 rtl/link/msn_uart_tx.sv

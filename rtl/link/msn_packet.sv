@@ -8,7 +8,7 @@
 //   CoP           the newest; it replaces an older one not yet sent, which is counted
 //   health        one at a time: health_ready_o is low until its packet has begun
 //   statistics    one counter every 2^StatisticBits clocks, in turn
-//   images        in packets of Chunk taxels, so that an event waits for at most one of them; msn_image_store
+//   images        in packets of Chunk taxels, so that an event waits for at most one of them; msn_image_chunks
 //
 // At most a byte every 4 clocks. If no packet is under way, an event's first byte follows it by 12 clocks;
 // out_begin_o, opening the frame, follows an event by 3, others by 4.   Model: model/meissner/twins/link/packet.py
@@ -167,51 +167,24 @@ module msn_packet #(
     assign unused_statistics = ^{statistics_i, statistic_take};
   end
 
-  // Images: the place reached, and the taxels left in a packet.
   logic        image_step;  // go to the next taxel
   logic        image_end;   // the present taxel is the packet's last
   logic [15:0] taxel;
   if (Taxels > 0) begin : gen_image
-    localparam int unsigned AddressBits = msn_pkg::index_width(Taxels);
-    logic [AddressBits-1:0] place;
-    logic [6:0]             left;
-    logic [7:0]             number;
-    logic                   begun, image_done, image_done_q, final_place, final_chunk;
-    logic [47:0]            image_time;
-    assign final_place = place == AddressBits'(Taxels - 1);
-    assign image_end   = left == '0 || final_place;
-    assign image_done  = image_step && final_place;
-    assign final_chunk = 32'(place) + Chunk >= Taxels;
-    assign image = {PayloadBits'({24'(place), 7'd0, final_chunk, number}), image_time, 4'd5, 8'd3};
-    always_ff @(posedge clk_i) begin
-      if (image_take) begin
-        begun <= 1'b1;
-        left  <= 7'(Chunk - 1);
-      end
-      if (image_step) begin
-        place <= final_place ? '0 : place + 1'b1;
-        left  <= left - 1'b1;
-      end
-      image_done_q <= image_done;  // registered for timing; no packet is chosen before the checksum has left
-      if (image_done) begin
-        begun  <= 1'b0;
-        number <= number + 1'b1;
-      end
-      if (rst_i) begin
-        place        <= '0;
-        begun        <= 1'b0;
-        image_done_q <= 1'b0;
-        number       <= '0;
-      end
-    end
-    msn_image_store #(.Taxels(Taxels)) u_store (
+    logic [msn_pkg::index_width(Taxels)-1:0] first;
+    logic [7:0]                              number;
+    logic                                    final_chunk;
+    logic [47:0]                             image_time;
+    msn_image_chunks #(.Taxels(Taxels), .Chunk(Chunk)) u_chunks (
       .clk_i, .rst_i,
       .in_valid_i(image_valid_i), .in_data_i(image_data_i), .in_last_i(image_last_i),
       .in_time_i(image_time_i),
-      .read_valid_o(image_valid), .read_time_o(image_time), .read_begun_i(begun || image_take),
-      .read_done_i(image_done_q), .read_address_i(place), .read_data_o(taxel),
+      .chunk_valid_o(image_valid), .chunk_time_o(image_time), .chunk_number_o(number),
+      .chunk_first_o(first), .chunk_final_o(final_chunk), .take_i(image_take),
+      .taxel_o(taxel), .end_o(image_end), .step_i(image_step),
       .dropped_o(image_dropped_o)
     );
+    assign image = {PayloadBits'({24'(first), 7'd0, final_chunk, number}), image_time, 4'd5, 8'd3};
   end else begin : gen_no_image
     assign {image_valid, image, image_end, taxel, image_dropped_o} = '0;
     logic unused_image;

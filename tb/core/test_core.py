@@ -733,7 +733,7 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
         sources |= {f"tare.{kind}": getattr(array.u_condition.gen_tare.u_tare, f"{kind}_o") for kind in kinds}
         sources["cop.damaged"] = array.u_cop_array.u_cop.u_accumulate.damaged_o
         sources["link.cop_dropped"] = packet.cop_dropped_o
-        sources["link.image_dropped"] = packet.gen_image.u_store.dropped_o
+        sources["link.image_dropped"] = packet.gen_image.u_chunks.u_store.dropped_o
     else:
         spi = dut.gen_channels.u_sensor.u_acquire.gen_adc.u_adc_spi
         kinds = ("dropped", "overrun", "timeout", "mistagged", "over_range")

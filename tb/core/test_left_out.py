@@ -23,7 +23,7 @@ BLOCKS = {
     "Tare": {"msn_tare"},
     "Slip": {"msn_slip_path"},
     "Serial": {"msn_slip_serial", "msn_adc_single"},
-    "Image": {"msn_image_store"},
+    "Image": {"msn_image_store", "msn_image_chunks"},
     "Cop4": {"msn_cop4", "msn_electrodes"},
     "CopSlip": {"msn_cop_slip"},
     "Grip": {"msn_grip", "msn_pwm", "msn_finger_health"},

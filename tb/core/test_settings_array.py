@@ -387,7 +387,7 @@ async def each_counter_has_its_own_register_and_statistic(dut):
         **{f"tare.{name}": getattr(tare, f"{name}_o") for name in ("tared", "refused", "swallowed")},
         "cop.damaged": array.u_cop_array.u_cop.u_accumulate.damaged_o,
         "link.cop_dropped": link.cop_dropped_o,
-        "link.image_dropped": link.gen_image.u_store.dropped_o,
+        "link.image_dropped": link.gen_image.u_chunks.u_store.dropped_o,
     }
     places = {"scan.dropped": 0, "scan.overrun": 1, "scan.lost": 2, "slip.damaged": 3}
     places |= {"slip.blanked": 4, "cop.damaged": 5, "link.image_dropped": 6}

@@ -239,16 +239,16 @@ module formal_packet #(
     end
     always_comb if (started) begin
       assert (32'(place) < Taxels && dut.gen_image.number == image_number);
-      assert (dut.gen_image.u_store.read_begun_i == (begun || turn[Image]) && dut.gen_image.u_store.read_done_i == done);
-      assert (dut.gen_image.begun == begun);
+      assert (dut.gen_image.u_chunks.u_store.read_begun_i == (begun || turn[Image]) && dut.gen_image.u_chunks.u_store.read_done_i == done);
+      assert (dut.gen_image.u_chunks.begun == begun);
       if (run && turn == '0 && image && sent >= first && sent < second) begin
-        assert (17'(dut.gen_image.place) == at);
-        assert (7'(dut.gen_image.left) == 7'(Chunk - 1) - 7'(pixels[8:1]) && second - first == 9'(2 * (place_end - place)));
+        assert (17'(dut.gen_image.u_chunks.place) == at);
+        assert (7'(dut.gen_image.u_chunks.left) == 7'(Chunk - 1) - 7'(pixels[8:1]) && second - first == 9'(2 * (place_end - place)));
       end else begin
-        assert (17'(dut.gen_image.place) == place);
+        assert (17'(dut.gen_image.u_chunks.place) == place);
       end
       if (run && turn == '0 && image && sent < first) begin
-        assert (dut.gen_image.left == 7'(Chunk - 1) && second - first == 9'(2 * (place_end - place)));
+        assert (dut.gen_image.u_chunks.left == 7'(Chunk - 1) && second - first == 9'(2 * (place_end - place)));
       end
     end
   end

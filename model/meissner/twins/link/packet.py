@@ -3,9 +3,10 @@
 import struct
 import zlib
 
+from meissner.twins.link.image_chunks import cut
+
 SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
 KNOWN = (SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER)
-MAX_CHUNK = 116
 TIMES = 1 << 48  # a packet's time counts modulo this
 # The counters of a core's statistics by index, as msn_core joins them; docs/link.md has the same names.
 COUNTERS = (
@@ -44,11 +45,8 @@ def statistic(index, counter):
 def image_chunks(number, taxels, chunk=64):
     """Payloads of an image: its number mod 256 and 1 in the last chunk (8 bits each), index of the chunk's
     first taxel 24, taxels 16 bits each."""
-    if not 1 <= chunk <= MAX_CHUNK:
-        raise ValueError(f"chunk = {chunk} must lie in 1 .. {MAX_CHUNK}")
     payloads = []
-    for first in range(0, len(taxels), chunk):
-        part = taxels[first : first + chunk]
-        head = struct.pack("<BBI", number & 255, first + chunk >= len(taxels), first)[:5]
+    for first, final, part in cut(taxels, chunk):
+        head = struct.pack("<BBI", number & 255, final, first)[:5]
         payloads.append(head + struct.pack(f"<{len(part)}H", *part))
     return payloads
