@@ -26,7 +26,7 @@ NAMED_CELLS = 20
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """The tables of msn_calibrate; ``offset``, ``gain`` int32 and ``dead`` bool [rows, columns].
+    """The tables of msn_calibrate_taxels; ``offset``, ``gain`` int32 and ``dead`` bool [rows, columns].
 
     ``force_lsb_n``: newtons per code of F.
     """

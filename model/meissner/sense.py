@@ -14,7 +14,7 @@ from meissner.calibration import Calibration, check_codes
 from meissner.physics.cop4_config import Cop4Config
 from meissner.twins.cop import cop as cop_twin
 from meissner.twins.cop import cop4 as cop4_twin
-from meissner.twins.frontend import calibrate
+from meissner.twins.frontend.calibrate_taxels import forces
 from meissner.twins.slip import slip as slip_twin
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.haar import Haar
@@ -132,7 +132,7 @@ class Array:
         """Forces 0 .. 65535 of codes, integers of 17 bits [frames, rows, columns]."""
         own = self.calibration
         codes = check_codes(codes, own.offset.shape)
-        return calibrate.forces(codes, own.offset, own.gain, own.gain_shift, mask=own.dead)
+        return forces(codes, own.offset, own.gain, own.gain_shift, mask=own.dead)
 
     def next(self, codes: ArrayLike) -> CopResult:
         """Results for codes, integers of 17 bits [frames, rows, columns]."""
