@@ -45,7 +45,8 @@ rtl/frontend/msn_condition.sv
 rtl/frontend/msn_calibration_preset.sv
 rtl/frontend/msn_calibration_table.sv
 rtl/frontend/msn_calibration_grid.sv
-rtl/frontend/msn_calibrate.sv
+rtl/frontend/msn_calibrate_taxels.sv
+rtl/frontend/msn_calibrate_grid.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv

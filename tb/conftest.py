@@ -69,7 +69,7 @@ BIG = [
     "tb/frontend/test_adc_spi.py::test_adc_spi[3-8-8000-16000]",
     "tb/frontend/test_adc_spi.py::test_adc_spi[5-5-16000-6000]",
     "tb/frontend/test_adc_spi.py::test_adc_spi_with_triggers[1-2-25000-1000]",
-    "tb/frontend/test_calibrate.py::test_calibrate[64-64-1-17-12-1-0]",
+    "tb/frontend/test_calibrate_taxels.py::test_calibrate_taxels[64-64-1-17-12-1]",
     "tb/frontend/test_health.py::test_health[3-19-8-18]",
     "tb/frontend/test_health.py::test_health[64-64-8-17]",
     "tb/frontend/test_scan.py::test_scan[3-3-3-70-60-8-13]",

@@ -28,7 +28,7 @@ from meissner.physics.cop4_config import Cop4Config
 from meissner.twins.cop import cop4 as cop4_twin
 from meissner.twins.cop.cop_accumulate import moments
 from meissner.twins.cop.cop_divide import cop_divide
-from meissner.twins.frontend import calibrate
+from meissner.twins.frontend.calibrate_taxels import forces
 from meissner.twins.slip import slip as slip_twin
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.haar import Haar
@@ -219,7 +219,7 @@ class Array:
         """
         own = self.calibration
         codes = check_codes(codes, own.offset.shape, floats=False)
-        return calibrate.forces(codes, own.offset, own.gain, own.gain_shift, mask=own.dead)
+        return forces(codes, own.offset, own.gain, own.gain_shift, mask=own.dead)
 
     def next(self, codes: ArrayLike) -> CopResult:
         """Results for codes as in ``forces``, with the same errors."""

@@ -81,7 +81,7 @@ module msn_array #(
   input  logic [SampleBits-1:0]            cfg_zero_i,
   output logic                             cfg_loading_o,
 
-  input  logic [Lanes-1:0]                 cfg_write_i,          // msn_calibrate
+  input  logic [Lanes-1:0]                 cfg_write_i,          // msn_cop_array
   input  logic                             cfg_write_row_i,
   input  logic [IdBits-1:0]                cfg_word_i,
   input  logic [OffsetBits-1:0]            cfg_offset_i,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From an array's samples to its centre of pressure and load: msn_calibrate, then msn_cop, and between them
-// msn_skid, so that msn_cop's ready does not reach msn_calibrate's registers in the same clock.
+// From an array's samples to its centre of pressure and load: msn_calibrate_taxels, or msn_calibrate_grid with
+// RowColumn, then msn_cop, and between them msn_skid, so that msn_cop's ready does not reach the calibration's
+// registers in the same clock.
 //
 // Tap: the forces also go to a second consumer, which takes each beat independently (msn_fork).
 //
@@ -29,7 +30,7 @@ module msn_cop_array #(
   input  logic                        clk_i,
   input  logic                        rst_i,
 
-  input  logic [Lanes-1:0]            cfg_write_i,      // msn_calibration_table
+  input  logic [Lanes-1:0]            cfg_write_i,      // msn_calibrate_taxels or _grid
   input  logic                        cfg_write_row_i,
   input  logic [IdBits-1:0]           cfg_word_i,
   input  logic [OffsetBits-1:0]       cfg_offset_i,
@@ -68,16 +69,29 @@ module msn_cop_array #(
   logic [Lanes-1:0]    force_mask;
   logic [2:0]          force_marks;
 
-  msn_calibrate #(
-    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .GainShift(GainShift),
-    .Offset(Offset), .RowColumn(RowColumn)
-  ) u_calibrate (
-    .clk_i, .rst_i,
-    .cfg_write_i, .cfg_write_row_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
-    .in_valid_i, .in_ready_o, .in_data_i, .in_mask_i, .in_fits_i, .in_row_last_i, .in_last_i,
-    .out_valid_o(force_valid), .out_ready_i(force_ready), .out_data_o(force_data), .out_mask_o(force_mask),
-    .out_fits_o(force_marks[2]), .out_row_last_o(force_marks[1]), .out_last_o(force_marks[0])
-  );
+  if (RowColumn) begin : gen_grid
+    msn_calibrate_grid #(
+      .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .GainShift(GainShift),
+      .Offset(Offset)
+    ) u_calibrate (
+      .clk_i, .rst_i,
+      .cfg_write_i, .cfg_write_row_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
+      .in_valid_i, .in_ready_o, .in_data_i, .in_mask_i, .in_fits_i, .in_row_last_i, .in_last_i,
+      .out_valid_o(force_valid), .out_ready_i(force_ready), .out_data_o(force_data), .out_mask_o(force_mask),
+      .out_fits_o(force_marks[2]), .out_row_last_o(force_marks[1]), .out_last_o(force_marks[0])
+    );
+  end else begin : gen_taxels
+    msn_calibrate_taxels #(
+      .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .GainShift(GainShift),
+      .Offset(Offset)
+    ) u_calibrate (
+      .clk_i, .rst_i,
+      .cfg_write_i, .cfg_write_row_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
+      .in_valid_i, .in_ready_o, .in_data_i, .in_mask_i, .in_fits_i, .in_row_last_i, .in_last_i,
+      .out_valid_o(force_valid), .out_ready_i(force_ready), .out_data_o(force_data), .out_mask_o(force_mask),
+      .out_fits_o(force_marks[2]), .out_row_last_o(force_marks[1]), .out_last_o(force_marks[0])
+    );
+  end
 
   // The blocks downstream stall this register, so that no path of ready goes through the calibration.
   msn_skid #(.Width(Lanes * 17 + 3)) u_skid (

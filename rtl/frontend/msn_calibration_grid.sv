@@ -37,7 +37,9 @@ module msn_calibration_grid #(
   output logic                        cfg_swapping_o, // requested, not done yet
 
   input  logic                        take_i,         // a beat
-  input  logic                        last_i,         // with it: the frame's last
+  input  logic                        fits_i,         // with it: its marks, of msn_frame_marker
+  input  logic                        row_last_i,
+  input  logic                        last_i,
   output logic [Lanes*SampleBits-1:0] out_offset_o,
   output logic [Lanes*32-1:0]         out_gain_o,
   output logic                        out_loaded_o
@@ -60,13 +62,13 @@ module msn_calibration_grid #(
   localparam int unsigned BeatBits = msn_pkg::index_width(RowBeats);
   localparam int unsigned PartBits = Offset ? 16 + OffsetBits : 16;
 
-  // The place of the next beat, and its bank.
+  // The place of the next beat, and its bank. A beat that does not fit ends its frame or is the final one without
+  // last: what comes next is at place 0 either way.
   logic [BeatBits-1:0] beat;
   logic [RowBits-1:0]  row;
-  logic                bank, midway, swap, row_end, final_row;
-  assign row_end   = beat == BeatBits'(RowBeats - 1);
-  assign final_row = row == RowBits'(Rows - 1);
-  assign swap      = cfg_swapping_o && !midway;
+  logic                bank, midway, swap, restart;
+  assign restart = last_i || !fits_i;
+  assign swap    = cfg_swapping_o && !midway;
 
   logic [5:1]        loaded;
   logic [RowBits:0]  row_at;
@@ -74,8 +76,8 @@ module msn_calibration_grid #(
   always_ff @(posedge clk_i) begin
     if (take_i) begin
       midway <= !last_i;
-      beat   <= last_i || row_end ? '0 : beat + 1'b1;
-      row    <= last_i || (row_end && final_row) ? '0 : row + RowBits'(row_end);
+      beat   <= restart || row_last_i ? '0 : beat + 1'b1;
+      row    <= restart ? '0 : row + RowBits'(row_last_i);
     end
     bank           <= bank ^ swap;
     cfg_swapping_o <= cfg_swap_i || (cfg_swapping_o && !swap);

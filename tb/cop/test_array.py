@@ -631,7 +631,7 @@ EVIDENCE = {
             # What a scan copied when it was enabled, until it is disabled.
             "kept": "settle_q period_q",
         },
-        "kept_inside": {"u_calibrate": "calibrate", "u_tare": "tare", "u_health": "health"},
+        "kept_inside": {"u_calibrate": "calibrate_taxels", "u_tare": "tare", "u_health": "health"},
     },
 }
 

@@ -760,7 +760,7 @@ EVIDENCE = {
             "packets": 1,
             "writes": 25,
         },
-        "kept_inside": {"u_calibrate": "calibrate", "u_tare": "tare", "u_health": "health"},
+        "kept_inside": {"u_calibrate": "calibrate_taxels", "u_tare": "tare", "u_health": "health"},
         "keeps_settings": True,
         # Each write at 25 clocks of a frame (docs/registers.md).
         "writes": [

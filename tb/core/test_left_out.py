@@ -14,7 +14,7 @@ BLOCKS = {
     "Array": {
         "msn_array",
         "msn_scan",
-        "msn_calibrate",
+        "msn_calibrate_taxels",
         "msn_width_converter",
         "msn_calibration_preset",
         "msn_cop_divide",

@@ -13,7 +13,8 @@ from meissner.twins.frontend import (
     adc_store,
     am_demod,
     burst,
-    calibrate,
+    calibrate_grid,
+    calibrate_taxels,
     calibration_grid,
     calibration_preset,
     health,
@@ -573,66 +574,82 @@ def calibration_grid_(see):
             see.refused(twin.write, 0, 0, gain)
 
 
-@row(
-    "calibrate",
-    {"": "1/2 LSB"},
-    ends="held at 0 and 65535",
-    rtl=["tb/frontend/test_calibrate.py::test_calibrate"],
-)
-def calibrate_(see):
-    def check(raws, offset, gain, shift, bits, gain_bits):
-        got = calibrate.forces(raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits).tolist()
+def forces_(see, gain_bits, kind):
+    """The ends of either calibration; ``gain_bits``: of a taxel's gain; ``kind``: the twin."""
+    top = 2**16 - 1 if gain_bits == 16 else (2**16 - 1) ** 2
+
+    def check(raws, offset, gain, shift, bits):
+        got = calibrate_taxels.forces(
+            raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits
+        ).tolist()
         for raw, force in zip(raws, got):
             value = Fraction((raw - offset) * gain, 2**shift)
             place = f"({raw} - {offset}) {gain} / 2^{shift}, {bits} bits"
             see.near(force, exact.held(value, Fraction(0), Fraction(TOP)), place)
             see.near(force, exact.held(exact.half_up(value), 0, TOP), place, limit=0)
 
-    for gain_bits in (16, 32):
-        top = 2**16 - 1 if gain_bits == 16 else (2**16 - 1) ** 2
+    def fits(bits, gain, shift, offset):
+        return bits + gain_bits + 2 - shift >= 16  # otherwise the product has fewer than 16 bits
 
-        def fits(bits, gain, shift, offset, gain_bits=gain_bits):
-            return bits + gain_bits + 2 - shift >= 16  # otherwise the product has fewer than 16 bits
+    for one in see.covering(
+        fits,
+        bits=[2, 13, 17, 18],
+        gain=[0, 1, 4096, top - 1, top],
+        shift=[1, 2, 12, gain_bits - 1, gain_bits],
+        offset=["low", "zero", "high"],
+    ):
+        low, high = exact.signed(one["bits"])
+        offset = {"low": low, "zero": 0, "high": high}[one["offset"]]
+        raws = set(exact.ends(low, high)) | {offset, offset + 1, offset - 1}
+        if one["gain"]:  # where the force saturates
+            edge = offset + (TOP << one["shift"]) // one["gain"]
+            raws |= {edge - 1, edge, edge + 1}
+        check(sorted(r for r in raws if low <= r <= high), offset, one["gain"], one["shift"], one["bits"])
+    see.refused(kind, 1, 1, sample_bits=18)
+    for shift in (0, gain_bits + 1):
+        see.refused(kind, 1, 1, gain_shift=shift)
+    see.same(kind(1, 1).next([[[TOP]]]).tolist(), [[[0]]], "before the first swap")
+    code = st.integers(*exact.signed(18))
+    see.given(
+        lambda raw, offset, gain, shift: check([raw], offset, gain, shift, 18),
+        raw=code,
+        offset=code,
+        gain=st.integers(0, top),
+        shift=st.integers(1, gain_bits),
+    )
 
-        for one in see.covering(
-            fits,
-            bits=[2, 13, 17, 18],
-            gain=[0, 1, 4096, top - 1, top],
-            shift=[1, 2, 12, gain_bits - 1, gain_bits],
-            offset=["low", "zero", "high"],
-        ):
-            low, high = exact.signed(one["bits"])
-            offset = {"low": low, "zero": 0, "high": high}[one["offset"]]
-            raws = set(exact.ends(low, high)) | {offset, offset + 1, offset - 1}
-            if one["gain"]:  # where the force saturates
-                edge = offset + (TOP << one["shift"]) // one["gain"]
-                raws |= {edge - 1, edge, edge + 1}
-            check(
-                sorted(r for r in raws if low <= r <= high),
-                offset,
-                one["gain"],
-                one["shift"],
-                one["bits"],
-                gain_bits,
-            )
+
+@row(
+    "calibrate_taxels",
+    {"": "1/2 LSB"},
+    ends="held at 0 and 65535",
+    rtl=["tb/frontend/test_calibrate_taxels.py::test_calibrate_taxels"],
+)
+def calibrate_taxels_(see):
+    forces_(see, 16, calibrate_taxels.CalibrateTaxels)
 
     def room(SampleBits, GainShift, Offset, **_):
         return SampleBits + Offset <= 18 and SampleBits + Offset + 17 - GainShift >= 16
 
-    see.refused(calibrate.Calibrate, 1, 1, sample_bits=18)
     see.elaborates(
-        "calibrate",
+        "calibrate_taxels",
         see.covering(room, SampleBits=[13, 17, 18], GainShift=[1, 16], Lanes=[1, 8], Offset=[0, 1]),
     )
-    for shift, gain_bits in ((0, 16), (17, 16), (33, 32)):
-        see.refused(calibrate.forces, 0, 0, 0, shift, gain_bits=gain_bits)
-    twin = calibrate.Calibrate(1, 1)
-    see.same(twin.next([[[TOP]]]).tolist(), [[[0]]], "before the first swap")
-    code = st.integers(*exact.signed(18))
-    see.given(
-        lambda raw, offset, gain, shift: check([raw], offset, gain, shift, 18, 32),
-        raw=code,
-        offset=code,
-        gain=st.integers(0, (2**16 - 1) ** 2),
-        shift=st.integers(1, 32),
+
+
+@row(
+    "calibrate_grid",
+    {"": "1/2 LSB"},
+    ends="held at 0 and 65535",
+    rtl=["tb/frontend/test_calibrate_grid.py::test_calibrate_grid"],
+)
+def calibrate_grid_(see):
+    forces_(see, 32, calibrate_grid.CalibrateGrid)
+
+    def room(SampleBits, GainShift, Offset, **_):
+        return SampleBits + Offset <= 18 and SampleBits + Offset + 33 - GainShift >= 16
+
+    see.elaborates(
+        "calibrate_grid",
+        see.covering(room, SampleBits=[13, 17, 18], GainShift=[1, 32], Lanes=[1, 8], Offset=[0, 1]),
     )

@@ -119,7 +119,7 @@ async def matches_model(dut, pause_rate):
 EVIDENCE = {
     "reference": {"moves": "words of two banks"},
     "equivalence": {"size": {"Rows": 3}, "defined": True, "open": ["reset"]},
-    "faults": {"size": {"Rows": 3}, "inside": ["calibrate", "u_table."]},
+    "faults": {"size": {"Rows": 3}, "inside": ["calibrate_taxels", "u_table."]},
 }
 
 

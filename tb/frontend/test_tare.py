@@ -13,7 +13,7 @@ import pytest
 
 import bench
 from meissner.twins.cop.cop import cop
-from meissner.twins.frontend.calibrate import forces
+from meissner.twins.frontend.calibrate_taxels import forces
 from meissner.twins.frontend.tare import Tare
 
 FIELDS = ["data", "mask", "id", "fits", "row_last", "last"]

@@ -202,9 +202,22 @@ def test_what_is_recorded_is_ten_times_and_more(engine):
 
 # Twins and drivers of features that the scene does not name and so must not import.
 FOREIGN = {
-    "cop_two_point": {"slip.slip_path", "cop.cop_slip", "cop.cop_divide", "frontend.calibrate", "rtl_slip"},
-    "acrylic_slip": {"cop.cop_divide", "frontend.calibrate", "rtl_cop4", "rtl_cop", "rtl_frontend"},
-    "walk_25x5": {"slip.slip_path", "cop.cop4", "frontend.calibrate", "rtl_slip", "rtl_cop4", "rtl_frontend"},
+    "cop_two_point": {
+        "slip.slip_path",
+        "cop.cop_slip",
+        "cop.cop_divide",
+        "frontend.calibrate_taxels",
+        "rtl_slip",
+    },
+    "acrylic_slip": {"cop.cop_divide", "frontend.calibrate_taxels", "rtl_cop4", "rtl_cop", "rtl_frontend"},
+    "walk_25x5": {
+        "slip.slip_path",
+        "cop.cop4",
+        "frontend.calibrate_taxels",
+        "rtl_slip",
+        "rtl_cop4",
+        "rtl_frontend",
+    },
 }
 IMPORTED = """
 import sys

@@ -79,18 +79,18 @@ def stale(before):
 
 
 def test_a_record_rests_on_what_is_stated_of_its_kind(change):
-    """Also on the blocks that it names: array keeps what calibrate keeps, frame_table runs inside
-    calibrate."""
-    names = ("calibrate", "array", "frame_table", "cop_array", "calibration_table")
+    """Also on the blocks that it names: array keeps what calibrate_taxels keeps, frame_table runs inside
+    it."""
+    names = ("calibrate_taxels", "array", "frame_table", "cop_array", "calibration_table")
     before = {name: {kind: revision.digest(name, kind) for kind in revision.TOOLS} for name in names}
     assert stale(before) == set()
-    change("tb/frontend/test_calibrate.py", '"settle": 3', '"settle": 4')
-    inside = {"calibrate", "array", "frame_table", "calibration_table"}
+    change("tb/frontend/test_calibrate_taxels.py", '"settle": 3', '"settle": 4')
+    inside = {"calibrate_taxels", "array", "frame_table", "calibration_table"}
     assert stale(before) == {(name, "faults") for name in inside}
-    change("tb/frontend/test_calibrate.py", '"settle": 4', '"settle": 3')
+    change("tb/frontend/test_calibrate_taxels.py", '"settle": 4', '"settle": 3')
     assert stale(before) == set()
-    change("tb/frontend/test_calibrate.py", '"sets": [1]', '"sets": [2]')
-    assert stale(before) == {("calibrate", "mutants")}
+    change("tb/frontend/test_calibrate_taxels.py", '"sets": [1]', '"sets": [2]')
+    assert stale(before) == {("calibrate_taxels", "mutants")}
 
 
 def test_the_names_of_blocks_are_blocks():

@@ -1,13 +1,13 @@
-// Batch driver of the Verilated msn_calibrate, one lane: codes in, forces out.
-#include "Vmsn_calibrate.h"
-#include "Vmsn_calibrate___024root.h"
+// Batch driver of the Verilated msn_calibrate_taxels, one lane: codes in, forces out.
+#include "Vmsn_calibrate_taxels.h"
+#include "Vmsn_calibrate_taxels___024root.h"
 #include "driver.hpp"
 
 // Load `taxels` offsets and gains, then send `frames` frames of codes, one taxel per clock unless the core stalls;
 // `mask`: taxels to leave out. Returns the clocks taken, or -1 unless there was exactly one force per code.
 extern "C" int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, int32_t columns,
                                  const int64_t *offset, const int64_t *gain, const uint8_t *mask, uint16_t *forces) {
-  meissner::Driver<Vmsn_calibrate> driver;
+  meissner::Driver<Vmsn_calibrate_taxels> driver;
   auto &top = driver.top;
   auto results = driver.results(frames * taxels, [&](int64_t k) { forces[k] = top.out_data_o; });
   top.cfg_write_i = 0;

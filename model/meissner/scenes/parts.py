@@ -25,7 +25,7 @@ FEATURES = {
     "cop4": Feature("msn_cop4", ("msn_electrodes", "msn_ratio", "msn_cop4_correct"), "cop4"),
     "cop_slip": Feature("msn_cop_slip", ("msn_delay",), "cop_slip"),
     "demod": Feature("msn_am_demod", (), "demodulate"),
-    "calibrate": Feature("msn_calibrate", (), "calibrate"),
+    "calibrate": Feature("msn_calibrate_taxels", (), "calibrate"),
     "grip": Feature("msn_grip", (), ""),
     **{name: Feature(found.TOP, found.BLOCKS, name) for name, found in FOUND.items()},
 }

@@ -3,20 +3,21 @@
 from meissner.twins.cop import cop
 from meissner.twins.cop.cop_accumulate import CopAccumulate
 from meissner.twins.cop.cop_divide import cop_divide
-from meissner.twins.frontend import calibrate
-from meissner.twins.frontend.calibrate import Calibrate
+from meissner.twins.frontend import calibrate_grid, calibrate_taxels
 
 
 def latency(lanes=1, fraction_bits=14, bits_per_clock=2, row_column=False):
     """Clocks of the RTL from a frame's last beat to its centre of pressure, the same in every frame."""
-    return calibrate.latency(row_column) + cop.latency(lanes, fraction_bits, bits_per_clock)
+    calibration = calibrate_grid if row_column else calibrate_taxels
+    return calibration.LATENCY + cop.latency(lanes, fraction_bits, bits_per_clock)
 
 
 class CopArray:
-    """Calibration, then the centre of pressure; ``calibrate``: the Calibrate with the tables."""
+    """Calibration, then the centre of pressure; ``calibrate``: the twin with the tables."""
 
-    def __init__(self, rows, columns, lanes=1, fraction_bits=14, min_load=1, **kinds):
-        self.calibrate = Calibrate(rows, columns, lanes, **kinds)
+    def __init__(self, rows, columns, lanes=1, fraction_bits=14, min_load=1, row_column=False, **kinds):
+        calibrate = calibrate_grid.CalibrateGrid if row_column else calibrate_taxels.CalibrateTaxels
+        self.calibrate = calibrate(rows, columns, lanes, **kinds)
         self._accumulate = CopAccumulate(rows, columns, lanes)
         self.rows, self.columns = rows, columns
         self.fraction_bits, self.min_load = fraction_bits, min_load

@@ -1,10 +1,11 @@
-"""Bit-exact twin of rtl/frontend/msn_calibrate.sv: forces from an array's samples."""
+"""Bit-exact twin of rtl/frontend/msn_calibrate_taxels.sv: forces from an array's samples, a word a taxel."""
 
 import numpy as np
 
 from meissner.twins.common.round_sat import round_sat
-from meissner.twins.frontend.calibration_grid import CalibrationGrid
 from meissner.twins.frontend.calibration_table import CalibrationTable
+
+LATENCY = 3  # clocks of the RTL from a beat in to its forces out
 
 
 def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bits=16):
@@ -23,26 +24,19 @@ def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bit
     return round_sat(difference * gain, product_bits, 16, gain_shift, unsigned=True)
 
 
-def latency(row_column=False):
-    """Clocks of the RTL from a beat in to its forces out."""
-    return 15 if row_column else 3
-
-
-class Calibrate:
+class CalibrateTaxels:
     """``forces`` with the tables: write and swap ``table``; ``next`` calibrates with the bank in use.
 
     All forces are 0 until the first swap.
     """
 
-    def __init__(
-        self, rows, columns, lanes=1, sample_bits=17, gain_shift=None, offset=True, row_column=False
-    ):
+    table_of, gain_bits = CalibrationTable, 16
+
+    def __init__(self, rows, columns, lanes=1, sample_bits=17, gain_shift=12, offset=True):
         if sample_bits + bool(offset) > 18:  # sample - offset must fit a multiplier's 18 bits
             raise ValueError(f"sample_bits = {sample_bits} must be at most {18 - bool(offset)}")
-        table = CalibrationGrid if row_column else CalibrationTable
-        self.table = table(rows, columns, lanes, sample_bits, offset)
-        gain_shift = (24 if row_column else 12) if gain_shift is None else gain_shift
-        self.sample_bits, self.gain_shift, self.gain_bits = sample_bits, gain_shift, 32 if row_column else 16
+        self.table = self.table_of(rows, columns, lanes, sample_bits, offset)
+        self.sample_bits, self.gain_shift = sample_bits, gain_shift
         forces(0, 0, 0, gain_shift, gain_bits=self.gain_bits)  # the same check of the shift
         self.reset()
 
