@@ -142,7 +142,7 @@ def examples(text):
 
 
 def named(dotted):
-    """What a dotted name such as meissner.host.connect stands for; AttributeError or ImportError if nothing."""
+    """What a dotted name such as meissner.host.connect stands for; ImportError or AttributeError."""
     parts = dotted.split(".")
     for count in range(len(parts), 0, -1):
         try:
