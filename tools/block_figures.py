@@ -1,4 +1,4 @@
-"""The tables of blocks' clocks and areas in the pages: tools/figures.py writes them from constraints/fmax.json.
+"""The tables of blocks' clocks and areas in the pages; tools/figures.py writes them from the records.
 
 A row belongs to an entry of fmax.TABLE: by its label in ``TABLES``, by the name in backticks, or by its whole
 first cell. A row whose entry was never recorded is marked (not recorded) and keeps the figures of an earlier
