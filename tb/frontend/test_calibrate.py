@@ -223,7 +223,7 @@ async def forgets_what_a_reset_interrupts(dut):
 
 @bench.applies(lambda dut: length_of(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
-async def keeps_all_that_it_let_in_while_nobody_takes_any(dut):
+async def keeps_accepted_beats_while_the_output_is_stalled(dut):
     """The follower sleeps until the block has long been full, then takes all; again and again."""
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]
