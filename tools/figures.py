@@ -1,6 +1,7 @@
-"""Write the figures of docs/results.md and README from the records; stale figures are marked (stale).
+"""Write the figures of docs/results.md, README and the tables of blocks and boards from the records; stale
+figures are marked (stale).
 
-    python tools/figures.py                     list the stale figures, with the command of each
+    python tools/figures.py                     list stale and unrecorded figures with their commands
     python tools/figures.py --page              write the pages from constraints/*.json and docs/figures.json
     python tools/figures.py --record [NAME...]  measure scenes on engine fixed and the entries of
                                                 tools/measured_figures.py, record them in docs/figures.json,
@@ -15,6 +16,7 @@ import json
 import subprocess
 import sys
 
+import block_figures
 import constants
 import fmax
 import synth
@@ -260,8 +262,13 @@ def measure(names):
         print(f"{name}: {WORDS[name](found['summary'])}", flush=True)
 
 
+def fmax_command(key):
+    name, target = key.split()
+    return f"python tools/fmax.py --record {name} -t {target}"
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.partition(";")[0])
     parser.add_argument("names", nargs="*", help="all if none is named")
     parser.add_argument("--record", action="store_true", help="measure, record, write the pages")
     parser.add_argument("--page", action="store_true", help="write the pages from the records")
@@ -274,6 +281,7 @@ def main():
     if options.record or options.page:
         for path in PAGES:
             path.write_text(page(path.read_text(), records))
+        block_figures.write(records)
         pairs = json.loads(synth.RESOURCES.read_text())
         if not synth.missing(pairs):
             synth.write_tables(pairs)
@@ -281,7 +289,9 @@ def main():
     for key in [*records.blocks, *records.printed]:
         if records.stale(key):
             entry = records.blocks.get(key) or records.printed[key]
-            print(f"{key}: {entry.get('command') or 'python tools/fmax.py --record ' + key.split()[0]}")
+            print(f"{key}: {entry.get('command') or fmax_command(key)}")
+    for key in block_figures.unrecorded(records):
+        print(f"{key}, {block_figures.NOT_RECORDED}: {fmax_command(key)}")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import sys
 import time
 import warnings
 
-from verify import fuzz, record
+from verify import fuzz, readers, record
 
 
 def main():
@@ -33,6 +33,7 @@ def main():
     warnings.simplefilter("ignore")  # NumPy warns about odd headers
     for target in given.targets or targets:
         begin, how = time.monotonic(), ""
+        of = readers.digest(target)  # before the run: files may change meanwhile
         cases = given.cases or fuzz.CASES.get(target, 1_000_000)
         try:
             if target == fuzz.C_NAME:
@@ -45,7 +46,7 @@ def main():
         took = time.monotonic() - begin
         print(f"{target:15} {cases:8} cases in {took:.0f} s, {how}", flush=True)
         if given.record:
-            facts = {"cases": cases, "crashes": 0, "hangs": 0, "false": 0}
+            facts = {"of": of, "cases": cases, "crashes": 0, "hangs": 0, "false": 0}
             record.merge("fuzz", "make fuzz", {target: facts}, fuzz.summary, fuzz.total)
 
 

@@ -8,7 +8,7 @@
     python tools/trust.py --page       only write the pages from the records
 
 Each kind has its own tools, which take --record. Exit code 1 if one of them failed. Evidence is shown as
-stale if what it rests on (RTL, tests, twin, harness, exclusions, tools) has changed since its record.
+stale if the digest of what it rests on (verify/revision.py, verify/readers.py) has changed since its record.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from meissner.builds import toolchain
-from verify import benches, evidence, faults, formal, fuzz, mutants_page, readme, record, regress
+from verify import benches, evidence, faults, formal, fuzz, mutants_page, readme, record, regress, sums
 from verify import due as due_of
 
 ROOT = toolchain.ROOT
@@ -75,12 +75,33 @@ WRITERS = {  # {kind: the module with its ``total``}, if that is not the tool wi
     **{"mutants": "verify.mutants_page", "coverage": "cover", "faults": "verify.faults"},
     **{"regress": "verify.regress", "fuzz": "verify.fuzz"},
 }
+FAILED = {  # {kind: whether a block's facts contain a failure}
+    "formal": lambda facts: any(row.get("failed") for row in facts["proofs"].values()),
+    "coverage": lambda facts: sums.points([facts]).hit < sums.points([facts]).reachable,
+    "powerup": lambda facts: facts["builds"] and not facts["passed"],
+    "faults": lambda facts: facts["silent"],
+    "equivalence": lambda facts: not all(facts[key]["proven"] for key in sums.CELLS if key in facts),
+    "fuzz": lambda facts: facts["crashes"] or facts["hangs"] or facts["false"],
+}
 BOXES = f"with {readme.BOXES}"
 HEAD = """# Trust
 
 `make trust` runs all the evidence and writes this page; `python tools/trust.py --page` writes it from the
-records in docs/trust/. Evidence is **stale** if anything that it rests on has changed since: the RTL of the
-block or of a block inside it, its tests, twin, proof harness or exclusions, or the version of a tool.
+records in docs/trust/. Each entry of a record has a digest, and is **stale** if the digest has changed
+since. The digest contains
+
+- the RTL of the block and of the blocks inside it, without comments;
+- what the block's test states for the kind (`EVIDENCE`);
+- for mutants, coverage, power-ups, faults and random regression: the block's test, the files of tb/ that it
+  imports, and the twin; for coverage also the block's other tests, its exclusions and its cover points;
+- for proofs: the harnesses and their entries in tb/formal/proofs.toml;
+- for faults: the driver and the converter models; for netlists: the models and maps of cells for Yosys;
+- for fuzzing: the reader's files, tools/verify/fuzz.py, and the files of tb/corpus/ that it mutates;
+- the pinned versions of Verilator, cocotb, Yosys, the solvers, NumPy and mcap, as far as the kind uses them.
+
+It does not contain the code of the evidence tools themselves (except the files just named), nor the versions
+of slang (pyslang), Python and the C++ compiler. After a change of these, run the kind again by its command.
+
 A changed block also makes the evidence of the blocks around it stale, since they are simulated, proven and
 fault-injected together with it. `make trust TRUST=--due` runs what is stale or missing, for at most
 15 minutes (90 with `TRUST="--due --minutes 90"`). It begins with the changed blocks, those that contain no
@@ -101,12 +122,26 @@ def split(told, kind):
     return [facts for name, facts in told["blocks"].items() if name not in before], before
 
 
+def failures(kind, told):
+    """Names of the blocks, or readers, whose current evidence of the kind is that something failed."""
+    before = record.stale(told, kind)
+    bad = FAILED.get(kind, lambda facts: False)
+    return [name for name, facts in told["blocks"].items() if name not in before and bad(facts)]
+
+
 def total(kind, told):
-    """A kind's sentence about the blocks with current evidence, and how many are stale and not counted."""
+    """A kind's sentence: of the blocks with current evidence, which failed, how many are stale."""
+    bad = failures(kind, told)
+    return _counted(kind, told) + (f"; **not passed: {', '.join(bad)}**" if bad else "")
+
+
+def _counted(kind, told):
+    """The sentence about the blocks with current evidence, and how many are stale and not counted."""
     current, before = split(told, kind)
     if not before:
         return told["total"]
-    words = f"{len(before)} block{'s' * (len(before) > 1)} {STALE}, not counted"
+    noun = "reader" if kind == "fuzz" else "block"
+    words = f"{len(before)} {noun}{'s' * (len(before) > 1)} {STALE}, not counted"
     if not current:
         return f"{KINDS.get(kind) or kind}: none current ({words})"
     return f"{sentence_of(kind)(current)} ({words})"
@@ -184,7 +219,8 @@ def summary(recorded):
     """README's paragraph, on one line."""
     found = {kind: split(recorded.get(kind, {"blocks": {}}), kind) for kind in readme.KINDS}
     current = {kind: facts for kind, (facts, _) in found.items()}
-    return MARK + readme.paragraph(current, {kind: len(before) for kind, (_, before) in found.items()})
+    bad = {KINDS[kind] or kind: failures(kind, told) for kind, told in recorded.items()}
+    return MARK + readme.paragraph(current, {kind: len(before) for kind, (_, before) in found.items()}, bad)
 
 
 def strangers(recorded):

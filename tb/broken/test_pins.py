@@ -55,7 +55,7 @@ def test_as_it_is_every_period_is_the_same():
 
 @pytest.mark.long
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_fault_turns_its_metric_and_no_other(tmp_path, monkeypatch, fault):
+def test_a_fault_changes_its_own_metric_only(tmp_path, monkeypatch, fault):
     (module, text), broken, turned = FAULTS[fault]
     sound, sources_of = facts(), toolchain.sources_of
     [path] = [path for path in toolchain.sources() if path.stem == module]

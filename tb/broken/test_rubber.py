@@ -92,7 +92,7 @@ def test_ripple_above_the_published_limit_is_a_false_alarm(tmp_path, monkeypatch
 
 
 @pytest.mark.parametrize("details", [1, 50])
-def test_a_flag_that_is_late_by_so_many_details_shows_by_so_much(details, sound, tmp_path, monkeypatch):
+def test_late_flags_move_delay_and_lead_by_their_lateness(details, sound, tmp_path, monkeypatch):
     def late(watch, x, config, moving):
         found = watch(x, config, moving)
         state = np.roll(found.state, details, axis=1)

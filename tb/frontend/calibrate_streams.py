@@ -202,7 +202,7 @@ async def forgets_what_a_reset_interrupts(dut, twin):
         assert not any(beat["data"] for beat in got)  # nothing is calibrated after a reset
 
 
-async def keeps_all_that_it_let_in_while_nobody_takes_any(dut, twin):
+async def keeps_accepted_beats_while_the_output_is_stalled(dut, twin):
     """The follower sleeps until the block has long been full, then takes all; again and again."""
     rng = np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]

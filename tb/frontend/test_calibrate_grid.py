@@ -53,8 +53,8 @@ async def forgets_what_a_reset_interrupts(dut):
 
 @bench.applies(lambda dut: length_of(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
-async def keeps_all_that_it_let_in_while_nobody_takes_any(dut):
-    await streams.keeps_all_that_it_let_in_while_nobody_takes_any(dut, twin_of(dut))
+async def keeps_accepted_beats_while_the_output_is_stalled(dut):
+    await streams.keeps_accepted_beats_while_the_output_is_stalled(dut, twin_of(dut))
 
 
 @bench.applies(lambda dut: length_of(dut) <= 5000)

@@ -149,7 +149,7 @@ def test_who_ignores_the_hang_up_is_not_ended_by_it(tmp_path, listened, name):
 
 
 @pytest.mark.parametrize("name", ["a.npz", "a.mcap"])
-def test_a_kill_leaves_what_came(tmp_path, listened, name, monkeypatch, capsys):
+def test_a_killed_log_keeps_the_packets_received(tmp_path, listened, name, monkeypatch, capsys):
     one = listened(name)
     one.say(frames())
     one.until(lambda: len(one.kept()) == COUNT)  # without a further packet, since a quiet line is flushed too

@@ -22,7 +22,7 @@ def test_words():
     assert shear.of_word(0x9E00_0000).flags == ("range", "small", "denominator", "clipped", "saturated")
 
 
-def test_speeds_of_the_channels_that_there_are():
+def test_speeds_cover_the_existing_channels():
     _, core = connected(channel0__speed=262_144, channel1__flags=4)
     assert core.features == ["adc", "slip", "shear_speed"]
     assert shear.speeds(core) == [shear.Speed(0.25, ()), shear.Speed(None, ("small",))]

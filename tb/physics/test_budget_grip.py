@@ -41,7 +41,7 @@ def test_the_terms_are_those_of_the_pages(slip, clocks):
     assert found["total_s"] == pytest.approx((clocks + 1) / 24e6)
 
 
-def test_a_window_too_long_for_16_clocks_is_called_so():
+def test_a_window_too_long_for_16_clocks_is_reported():
     """4096 details: filter 1, level 3, 1 + log4(4096) = 7, slip 2, reflex 4, after another command 1."""
     found = grip.budget(build(level=3, window=32_768, hop=8))
     assert found["total_clocks"] == 18 and not found["within_16"]

@@ -107,7 +107,7 @@ def test_a_stiffer_wire_slips_sooner():
 
 
 @pytest.mark.parametrize("direction", [0, 90, 135, 250])
-def test_the_centre_moves_the_way_of_the_pull(direction):
+def test_the_centre_moves_in_the_direction_of_the_pull(direction):
     held = pulled()
     pressing, felt = grip.loads(held, 7, 9, 2.5, 1.0, direction, np.random.default_rng(3))
     total, x, y = true_centre(pressing)

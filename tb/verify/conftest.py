@@ -7,7 +7,7 @@ import pytest
 from meissner.builds import toolchain
 from verify import revision
 
-FOLDERS = ("rtl", "tb", "model", "tools", "requirements", "constraints")
+FOLDERS = ("rtl", "tb", "model", "tools", "requirements", "constraints", "host")
 
 
 @pytest.fixture

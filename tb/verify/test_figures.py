@@ -9,6 +9,7 @@ import sys
 
 import pytest
 
+import block_figures
 import figures
 import fmax
 import synth
@@ -23,6 +24,62 @@ PAIRS = json.loads(synth.RESOURCES.read_text("utf-8"))
 def test_the_pages_have_what_is_recorded(path):
     text = path.read_text("utf-8")
     assert figures.page(text, figures.Records()) == text, "`python tools/figures.py --page`"
+
+
+@pytest.mark.parametrize("path", block_figures.paths(), ids=lambda path: path.name)
+def test_the_tables_of_blocks_have_what_is_recorded(path):
+    text = path.read_text("utf-8")
+    assert block_figures.page(path.name, text, figures.Records()) == text, "`python tools/figures.py --page`"
+
+
+def test_no_table_of_blocks_is_written_by_hand():
+    """A table with a column of MHz is generated, but for those that are counted here by page."""
+    by_hand = {
+        **{"array.md": 1, "boards.md": 2},  # steps of a development
+        **{"demod.md": 1, "link.md": 1, "shear_speed.md": 1},  # the page says that they are not recorded
+    }
+    for path in sorted((toolchain.ROOT / "docs").glob("*.md")):
+        heads = re.findall(r"^(\|.*\|)\n\|(?: ?-+ ?\|)+$", path.read_text("utf-8"), re.MULTILINE)
+        others = [head for head in heads if "| MHz" in head]
+        for table in block_figures.TABLES:
+            if table.page == path.name:
+                others.remove(table.head)
+        assert len(others) == by_hand.get(path.name, 0), (path.name, others)
+
+
+def test_rows_of_blocks_are_those_of_the_record():
+    """By hand: a recorded row, a stale one, one that was never recorded, and one that is now."""
+    of = [fmax.revision_of("slip1", "up5k"), fmax.revision_of("slip1-path", "up5k")]
+    blocks = {
+        "slip1 up5k": ENTRY | {"of": of[0]},
+        "slip1-path up5k": ENTRY | {"of": of[1]},
+        "slip1-no-p2p up5k": ENTRY | {"of": "before"},
+    }
+    text = """
+| window 64 | clocks | MHz | LUT | FF | block RAM | state per channel |
+|---|---|---|---|---|---|---|
+
+| entry | ADC | slip path | cells | block RAM | MHz |
+|---|---|---|---|---|---|
+| **`slip1`** (stale) | `msn_adc_single` | serial | 180 | 2 | 69.4 |
+| `slip1-no-p2p`: p2p not read | `msn_adc_single` | serial | 166 | 3 | 71.1 |
+| `slip1-path` (not recorded) | none | serial | 143 | 3 | 70.5 |
+| `slip1-parallel`: 13 bits | none | parallel | 544 | 0 | 33.0 |
+
+More.
+"""
+    found = block_figures.page("slip.md", text, figures.Records(blocks, {})).split("\n")[6:]
+    assert found == [
+        "| **`slip1`** | `msn_adc_single` | serial | 7 | 3 | 131.1 |",
+        "| `slip1-no-p2p`: p2p not read (stale) | `msn_adc_single` | serial | 7 | 3 | 131.1 |",
+        "| `slip1-path` | none | serial | 7 | 3 | 131.1 |",
+        "| `slip1-parallel`: 13 bits (not recorded) | none | parallel | 544 | 0 | 33.0 |",
+        "",
+        "More.",
+        "",
+    ]
+    with pytest.raises(ValueError, match=r"slip\.md: slip-64-half has no target up5k"):
+        block_figures.page("slip.md", text.replace("`slip1-path`", "`slip-64-half`"), figures.Records({}, {}))
 
 
 def test_readme_has_at_most_ten_of_the_figures():

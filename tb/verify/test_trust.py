@@ -8,7 +8,7 @@ import pytest
 
 import trust
 from meissner.builds import toolchain
-from verify import benches, readme, record, revision
+from verify import benches, fuzz, readers, readme, record, revision
 
 
 def test_the_pages_say_what_is_recorded():
@@ -131,6 +131,99 @@ def test_evidence_rests_on_all_that_it_was_made_with(change, file, text, other, 
         assert moved == set(stale.get(kind, "").split()), kind
 
 
+READERS = "decoder_python host host_pty config recordings calibration log decoder_c"
+IN_PYTHON = READERS.removesuffix(" decoder_c")
+LINE = "decoder_python host host_pty"
+
+# The change, and the readers whose fuzzing it makes stale.
+READ = [
+    ("model/meissner/twins/link/decoder.py", "return", "return 1 and", LINE),
+    ("model/meissner/twins/link/decoder.py", '"""', '""" ', ""),
+    ("model/meissner/host/line.py", "return", "return 1 and", "host host_pty"),
+    ("model/meissner/builds/stages/grip.py", "return", "return 1 and", "config"),
+    ("model/meissner/builds/configs/slip1.toml", "rate", "ratio", "config"),
+    ("model/meissner/files.py", "raise ValueError", "raise KeyError", "recordings calibration log"),
+    ("model/meissner/host/replay.py", "return", "return 1 and", "log"),
+    ("model/meissner/twins/slip/slip.py", " >= ", " > ", ""),
+    ("host/msn_packet.c", "return", "return 1 &&", "decoder_c"),
+    ("tb/host/packet_fuzz.c", "return", "return 1 &&", "decoder_c"),
+    ("tb/corpus/recordings/samples.csv", "1", "2", "recordings"),
+    ("tools/verify/fuzz.py", "SLOW_S = 5.0", "SLOW_S = 6.0", READERS),
+    ("tools/fuzz.py", "1_000_000", "2_000_000", ""),
+    ("requirements/sim.txt", "numpy==", "numpy==1", READERS),
+]
+
+
+@pytest.mark.parametrize(("file", "text", "other", "stale"), READ)
+def test_fuzzing_rests_on_reader_tool_and_corpus(change, file, text, other, stale):
+    before = {name: readers.digest(name) for name in READERS.split()}
+    assert len({*before.values()}) == len(before) - 1, "only host and host_pty have the same files"
+    change(file, text, other)
+    moved = {name for name in before if readers.digest(name) != before[name]}
+    assert moved == set(stale.split())
+
+
+def test_every_reader_has_its_files():
+    """Each pattern names a file; every module that the tool imports is a part of some reader."""
+    assert {*fuzz.TARGETS, fuzz.C_NAME} == set(READERS.split()) == {*readers.FILES, *readers.IN_C}
+    for reader, patterns in readers.FILES.items():
+        assert all([*toolchain.ROOT.glob(f"model/meissner/{pattern}")] for pattern in patterns), reader
+    listed = {path for reader in READERS.split() for path in readers.files_of(reader)}
+    tool = (toolchain.ROOT / readers.TOOL).read_text("utf-8")
+    model = toolchain.ROOT / "model"
+    for name in revision._imported(tool):
+        path = model / f"{name.replace('.', '/')}.py"
+        assert not path.exists() or path.stem == "toolchain" or path in listed, name
+    assert {*fuzz.SOURCES} <= listed and all(path.exists() for path in listed)
+
+
+def test_fuzzing_of_changed_readers_is_stale_and_due(tmp_path, monkeypatch):
+    monkeypatch.setattr(record, "FOLDER", tmp_path)
+    facts = {"cases": 5, "crashes": 0, "hangs": 0, "false": 0}
+    keep = lambda **new: record.merge("fuzz", "make fuzz", new, fuzz.summary, fuzz.total)
+    keep(config=facts, log=facts | {"of": "before"})
+    told = json.loads(keep(host=facts | {"crashes": 1}).read_text())
+    assert told["blocks"]["config"]["of"] == readers.digest("config")
+    assert record.stale(told, "fuzz") == ["log"]
+    assert trust.total("fuzz", told) == (
+        "10 fuzzed inputs to 2 readers, no crash, hang or false packet (1 reader stale, not counted); "
+        "**not passed: host**"
+    )
+    [step] = [step for step in trust.STEPS if step.kind == "fuzz"]
+    assert sorted(trust.due(step)) == sorted({*READERS.split()} - {"config", "host"})
+
+
+@pytest.mark.parametrize(
+    ("kind", "good", "bad"),
+    [
+        (
+            "formal",
+            {"proofs": {"a": {"failed": 0}, "b": {}}},
+            {"proofs": {"a": {"failed": 0}, "b": {"failed": 1}}},
+        ),
+        ("coverage", {"of": "x", "line": [5, 5, 1]}, {"line": [5, 5, 0], "toggle": [4, 5, 0]}),
+        (
+            "powerup",
+            {"builds": 0, "passed": False, "seeds": 0},
+            {"builds": 2, "passed": False, "seeds": 20},
+        ),
+        ("faults", {"silent": 0}, {"silent": 2}),
+        (
+            "equivalence",
+            {"ecp5": {"proven": True}, "reset": {"proven": False}},
+            {"ecp5": {"proven": True}, "ice40": {"proven": False}},
+        ),
+    ],
+)
+def test_a_block_that_failed_is_named(monkeypatch, kind, good, bad):
+    """Only while its evidence is current. A reset that is open, or a block without a test, has not failed."""
+    told = {"blocks": {"skid": good, "fork": bad, "fifo": bad}, "total": "All."}
+    monkeypatch.setattr(record, "stale", lambda told, kind: ["fifo"])
+    assert trust.failures(kind, told) == ["fork"]
+    monkeypatch.setattr(trust, "sentence_of", lambda kind: lambda facts: "All.")
+    assert trust.total(kind, told) == "All. (1 block stale, not counted); **not passed: fork**"
+
+
 def test_what_is_recorded_is_of_blocks_that_are_there():
     assert trust.strangers(trust.records()) == []
 
@@ -149,7 +242,13 @@ def test_readme_s_paragraph_counts_current_evidence_and_says_how_much_is_stale()
         "coverage": [{"of": "x", "line": [5, 5, 5], "toggle": [4, 5, 0]}],
         "equivalence": [proven, {"reset": {"proven": True}}],
     }
-    said = readme.paragraph(current, {"formal": 1, "mutants": 2, "coverage": 3, "equivalence": 0})
+    stale = {"formal": 1, "mutants": 2, "coverage": 3, "equivalence": 0}
+    failed = readme.paragraph(
+        current, stale, {"proofs": [], "coverage": ["skid", "fork"], "power-up": ["sync"]}
+    )
+    assert "points. **Not passed: coverage of skid, fork; power-up of sync.** Limits:" in failed
+    said = readme.paragraph(current, stale, {"proofs": []})
+    assert "passed" not in said
     assert said.startswith("1 unbounded proofs") and said.count(". ") == 3
     assert "1 (ECP5) and 1 (iCE40)" in said and "for 0 of them as slang" in said and "proven for 1." in said
     assert "killed 44 of 44 mutants of cells and 21 of 22 of source, and reached 90.00 % of 10 " in said

@@ -26,7 +26,7 @@ from meissner.twins.link.decoder import Decoder
 
 CORPUS = toolchain.ROOT / "tb/corpus"
 SLOW_S = 5.0  # CPU time; a case that takes longer counts as a hang
-STILL_S = 300.0  # wall-clock time: a case that waits for ever takes no CPU time
+STILL_S = 300.0  # wall-clock time: a case that waits indefinitely takes no CPU time
 NASTY = [
     b"",
     b"\0",

