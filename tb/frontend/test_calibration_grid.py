@@ -12,7 +12,7 @@ from cocotb.triggers import FallingEdge
 import bench
 from meissner.twins.frontend.calibration_grid import CalibrationGrid
 
-QUIET = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0, "take_i": 0}
+QUIET = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0, "take_i": 0, "last_i": 0}
 LATENCY = 6
 
 
@@ -97,7 +97,7 @@ async def matches_model(dut, pause_rate):
         # As msn_frame_marker marks them: a beat with an early last does not fit, nor the final one without
         # last, nor the one after it, whose place is 0 again.
         place = number % beats
-        dut.take_i.value, dut.last_i.value = int(take), int(last)
+        dut.take_i.value, dut.last_i.value = int(take), int(take and last)
         dut.fits_i.value = int(number < beats and last == (number == beats - 1))
         dut.row_last_i.value = int(place % twin.row_beats == twin.row_beats - 1)
         dut.cfg_swap_i.value = 0
@@ -134,7 +134,7 @@ EVIDENCE = {
     "equivalence": {"size": {"Rows": 6}, "defined": True, "open": ["reset"]},
     "faults": {
         "size": {"Rows": 6},
-        "settle": 2,
+        "settle": 3,  # frames of a single beat end while a word is in the six stages
         # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
         "driver": {"frame": "last_i", "kept": "memory gains offsets rows bank loaded cfg_swapping"},
     },
