@@ -15,6 +15,11 @@ def raw_of(frame, beat, lane):
     return 3000 + 211 * frame + 17 * beat + 5 * lane
 
 
+def masked(frame, beat, lane):
+    """Every seventh taxel, another one in each frame."""
+    return (frame + 2 * beat + lane) % 7 == 3
+
+
 def whole(*frames):
     return [(frame, number) for frame in frames for number in range(BEATS)]
 
@@ -49,7 +54,8 @@ class Line:
             frame, number, *marks = beat
             bits = len(dut.in_data_i) // LANES
             dut.in_data_i.value = bench.lane_word([raw_of(frame, number, lane) for lane in (0, 1)], bits)
-            bench.offer(dut, {"mask": 0, **(marks[0] if marks else bench.marks(number, ROWS, ROW_BEATS))})
+            mask = sum(masked(frame, number, lane) << lane for lane in (0, 1))
+            bench.offer(dut, {"mask": mask, **(marks[0] if marks else bench.marks(number, ROWS, ROW_BEATS))})
         await bench.ReadOnly()
         if ready and dut.out_valid_o.value == 1:
             forces = bench.lane_values(bench.read(dut.out_data_o), LANES, 16)
@@ -96,7 +102,9 @@ class Line:
         return [out for frame, level in enumerate(levels) for out in self.came_out(whole(frame), level)]
 
     def force(self, level, frame, beat, lane):
-        """(raw - offset) gain; the unused lane of a row is calibrated too."""
+        """(raw - offset) gain, 0 if masked; the unused lane of a row is calibrated too."""
+        if masked(frame, beat, lane):
+            return 0
         offset = self.offset(beat, lane) + 7 * level
         return min((raw_of(frame, beat, lane) - offset) * (level + 1), TOP)
 

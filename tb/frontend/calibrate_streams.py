@@ -39,14 +39,23 @@ def calibrations(table, rng):
 
 
 async def load(dut, twin, entries, pause=lambda: False):
-    """Write an entire bank, an entry a clock, with pauses."""
-    for of_row, word, lane, offset, gain in entries:
+    """Write an entire bank, an entry a clock, with pauses. Drives also what a block does not use of a write:
+    the upper bits of a row's or column's number, or whether the write is a row's."""
+    table = twin.table
+    used = (
+        max(1, (max(table.rows, table.row_beats) - 1).bit_length())
+        if table.row_column
+        else len(dut.cfg_word_i)
+    )
+    upper = (1 << len(dut.cfg_word_i)) - (1 << used)
+    for number, (of_row, word, lane, offset, gain) in enumerate(entries):
         while pause():
             dut.cfg_write_i.value = dut.cfg_write_row_i.value = 0
             await bench.RisingEdge(dut.clk_i)
-        dut.cfg_word_i.value, dut.cfg_gain_i.value = word, gain
+        dut.cfg_word_i.value, dut.cfg_gain_i.value = word | upper * (number % 2), gain
         dut.cfg_offset_i.value = offset & ((1 << twin.table.offset_bits) - 1)
-        dut.cfg_write_i.value, dut.cfg_write_row_i.value = 0 if of_row else 1 << lane, int(of_row)
+        row = of_row if table.row_column else number % 2
+        dut.cfg_write_i.value, dut.cfg_write_row_i.value = 0 if of_row else 1 << lane, int(row)
         if of_row:
             twin.table.write_row(word, offset, gain)
         else:

@@ -130,6 +130,8 @@ def test_refuses_illegal_parameters():
         ({"gain_shift": 0}, "gain_shift = 0"),
         ({"gain_shift": 17}, "gain_shift = 17"),
         ({"lanes": 3}, "lanes = 3"),
+        ({"sample_bits": 18}, "sample_bits = 18 must be at most 17"),
+        ({"sample_bits": 19, "offset": False}, "sample_bits = 19 must be at most 18"),
     ):
         with pytest.raises(ValueError, match=message):
             CalibrateTaxels(4, 4, **kinds)
