@@ -117,7 +117,7 @@ def main(arguments=None):
     except (ValueError, OSError) as problem:
         sys.exit(_refuse(problem))
     except KeyboardInterrupt as stopped:
-        print(f"meissner: interrupted{stopped}", file=sys.stderr)
+        print(f"meissner: {str(stopped) or 'interrupted'}", file=sys.stderr)
         sys.exit(130)  # the exit code that a shell reports after Ctrl-C
 
 

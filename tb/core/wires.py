@@ -14,6 +14,9 @@ SEEN = tuple(f"msn_{name}" for name in SEEN.split())
 
 STRUCTS = {members.CFG: "registers.cfg_o", members.STATUS: "registers.status_i", "slip_cfg": "slip.cfg_i"}
 
+# The state that a decision of msn_cop_slip stands for.
+COP_STATE = lambda v: 2 if v("cop_slip.out_slip_o") else v("cop_slip.out_pressed_o")
+
 # By the block that needs the wires: from, to, and the names that replace {} in both. "~": sign-extended.
 WIRES = {
     "array": [
@@ -165,11 +168,11 @@ GLUE = {
         "owed.drop_i": lambda v: 0,
         "cop_slip.out_ready_i": lambda v: not v("cop_slip.out_raised_o") or v("link.slip_ready_o"),
         "link.slip_valid_i": lambda v: v("cop_slip.out_valid_o") and v("cop_slip.out_raised_o"),
-        "link.slip_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else v("cop_slip.out_pressed_o"),
+        "link.slip_state_i": COP_STATE,
         "link.slip_id_i": lambda v: 0xFFFF,
         "link.cop_valid_i": lambda v: v("cop4.out_valid_o") and v("cop_slip.in_ready_o"),
         "flags.in_valid_i": lambda v: v("cop_slip.out_valid_o") and not v("chain.offered"),
-        "flags.in_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else v("cop_slip.out_pressed_o"),
+        "flags.in_state_i": COP_STATE,
         "flags.in_last_i": lambda v: 1,
     },
     "events": {

@@ -84,7 +84,7 @@ def tradeoff(arguments):
         rows = sweep.run(axes, out, arguments.quick, runner, workers, _bar)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            f"; finished points are in {plain(out)}; the same command continues"
+            f"interrupted; finished points are in {plain(out)}; the same command continues"
         ) from None
     _tell(axes, rows, out, arguments.quick)
 
