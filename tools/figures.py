@@ -7,7 +7,7 @@ figures are marked (stale).
                                                 tools/measured_figures.py, record them in docs/figures.json,
                                                 then write the pages
 
-`python tools/fmax.py --record NAME` and `python tools/synth.py --record BOARD CONFIG` record the others.
+`python tools/make/fmax.py --record NAME` and `python tools/make/synth.py --record BOARD CONFIG` record the others.
 """
 
 import argparse
@@ -17,11 +17,11 @@ import subprocess
 import sys
 
 import block_figures
-import constants
 import fmax
 import synth
 from meissner import interval
 from meissner.builds import toolchain
+from published import constants
 from verify import revision
 
 PAGES = (toolchain.ROOT / "docs/results.md", toolchain.ROOT / "README.md")  # all figures; the headlines
@@ -170,8 +170,8 @@ COMMANDS = {
     "engines": "make bench",
     "grip": "python tools/figures.py --record grip",
     "jitter": "python tools/jitter.py",
-    "mesh": "python tools/mesh_figures.py",
-    "recordings": "python tools/recordings.py",
+    "mesh": "python tools/published/mesh_figures.py",
+    "recordings": "python tools/published/recordings.py",
     "soak": "python tools/soak_link.py",
 }
 
@@ -264,7 +264,7 @@ def measure(names):
 
 def fmax_command(key):
     name, target = key.split()
-    return f"python tools/fmax.py --record {name} -t {target}"
+    return f"python tools/make/fmax.py --record {name} -t {target}"
 
 
 def main():

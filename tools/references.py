@@ -6,7 +6,7 @@ EVIDENCE["reference"] of tb/<stage>/test_<block>.py is one of
     {"moves": "words in their order"}                                         it moves data only
     {"joins": "scan_plan, scan_buffer"}                                       it joins other blocks
 
-`python tools/blocks.py --page` writes them.
+`python tools/make/blocks.py --page` writes them.
 """
 
 import re

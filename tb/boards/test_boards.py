@@ -13,7 +13,7 @@ from meissner.builds.yowasp import ROOT, ToolError, yosys
 
 
 def run(*arguments):
-    command = [sys.executable, "tools/synth.py", *arguments]
+    command = [sys.executable, "tools/make/synth.py", *arguments]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
 

@@ -6,7 +6,7 @@ import types
 import numpy as np
 import pytest
 
-import constants
+from published import constants
 import figures
 from meissner.physics import plate, rubber
 from meissner.tradeoff.changes import Change
@@ -33,7 +33,7 @@ def test_the_page_says_what_is_recorded():
     records = figures.Records()
     summary = records.printed["constants"]["summary"]
     page = constants.page(summary, records.stale("constants"))
-    assert constants.PAGE.read_text("utf-8") == page, "`python tools/constants.py --page`"
+    assert constants.PAGE.read_text("utf-8") == page, "`python tools/published/constants.py --page`"
     assert "**stale**" in constants.page(summary, True) and "**stale**" not in constants.page(summary)
     for changes, rows in ((constants.CHANGES, summary["rows"]), (constants.HELD_CHANGES, summary["held"])):
         assert [(row["name"], row["value"]) for row in rows[1:]] == [(one.name, one.value) for one in changes]

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-import grip
+from published import grip
 from meissner import scenes
 
 ROW = {
@@ -27,7 +27,7 @@ ROW = {
 def test_the_page_has_what_is_recorded():
     text = grip.PAGE.read_text("utf-8")
     assert grip.page(text, json.loads(grip.RECORD.read_text("utf-8"))) == text, (
-        "`python tools/grip.py --page`"
+        "`python tools/published/grip.py --page`"
     )
     assert text.count(grip.HEAD) == 1
 

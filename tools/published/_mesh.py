@@ -10,7 +10,7 @@ from meissner.physics import mesh_loads
 from meissner.physics.mesh import Mesh
 from meissner.scenes.locus import circle
 from meissner.scenes.mesh import run as mesh_run
-from mesh_figures import errors
+from published.mesh_figures import errors
 from published import Row, Table
 from published._parts import EXACT, NONE, figure, label, owes, percent, save, signed
 

@@ -1,6 +1,6 @@
 """Changes of the unpublished constants of the physics, to test which conclusions survive them.
 
-tools/constants.py writes the same changes to docs/constants.md.
+tools/published/constants.py writes the same changes to docs/constants.md.
 """
 
 import contextlib

@@ -1,6 +1,6 @@
 """Disturbances of grip_slip and the sizes at which it fails: the table of docs/slip.md, as Markdown.
 
-    python tools/slip_disturb.py [SEEDS]      seeds for each size, 30 by default
+    python tools/published/slip_disturb.py [SEEDS]      seeds for each size, 30 by default
 
 The plain condition with one disturbance of one size, on the fixed engine's twins. ``missed``: runs in which
 the flag does not rise between the first event and the slip; ``false alarms``: rises before the first event;

@@ -18,7 +18,7 @@ CELLS = "tb/lint/cells.v"
 WAIVERS = ROOT / "rtl/verilator.vlt"
 # Each tool's name and its command.
 VERILATOR = ["verilator", "verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS)]
-SLANG = ["slang", sys.executable, str(ROOT / "tools/slang.py"), "-Werror"]  # no waivers
+SLANG = ["slang", sys.executable, str(ROOT / "tools/make/slang.py"), "-Werror"]  # no waivers
 # Models of the vendors' cells that rtl/ecp5 uses.
 MODELS = ["model/meissner/engines/cells/MULT18X18D.v"]
 # Yosys reads ~Bits'(1) as (~Bits)'(1), without a warning if the rest is constant.

@@ -1,9 +1,9 @@
 """Run a hand's scene over more seeds than `meissner run` does, and print a row for each condition.
 
-    python tools/grip.py grip_pour --runs 1000 --condition 0
-    python tools/grip.py grip_release --first 1001 --set slip.threshold_share=0.007 step_mm=0.02
-    python tools/grip.py grip_pour --runs 1000 --record    record in docs/grip.json, then write the page
-    python tools/grip.py --page                            write docs/grip_scenes.md from docs/grip.json
+    python tools/published/grip.py grip_pour --runs 1000 --condition 0
+    python tools/published/grip.py grip_release --first 1001 --set slip.threshold_share=0.007 step_mm=0.02
+    python tools/published/grip.py grip_pour --runs 1000 --record    record in docs/grip.json, then write the page
+    python tools/published/grip.py --page                            write docs/grip_scenes.md from docs/grip.json
 
 --condition takes a number; without it, all conditions run. Settings are chosen on seeds from 1001 on; records
 use seeds from 1 on.

@@ -1,7 +1,7 @@
 """Why a heavy, slippery glass falls in grip_release with a threshold in volts: change one thing at a time.
 
-    python tools/grip_isolate.py                       all cases, 16 runs of 200 s each
-    python tools/grip_isolate.py base felt075 --runs 20 --seconds 300
+    python tools/published/grip_isolate.py                       all cases, 16 runs of 200 s each
+    python tools/published/grip_isolate.py base felt075 --runs 20 --seconds 300
 
 The glass is that of seed 3 in the first condition: friction 0.52, 0.314 kg, it needs at least 2.96 N. Each
 run draws the contacts' patches, the noise and the initial grip. Threshold 0.01 V and step 0.0125 N unless

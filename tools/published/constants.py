@@ -1,6 +1,6 @@
 """The origin of each constant of the physics, and how far slip's headline figures depend on the chosen ones.
 
-    python tools/constants.py --page                 write docs/constants.md from the modules and the record
+    python tools/published/constants.py --page                 write docs/constants.md from the modules and the record
     python tools/figures.py --record constants       measure the changes of ``CHANGES`` again (minutes)
 
 Each module of meissner.physics states the origins of its constants: ORIGINS = {name: (kind, where, effect)}.
@@ -161,7 +161,7 @@ def changes_table(changes, rows):
 
 HEAD = """# Constants of the physics
 
-`python tools/constants.py --page` writes this page from `ORIGINS` of the modules in `model/meissner/physics`.
+`python tools/published/constants.py --page` writes this page from `ORIGINS` of the modules in `model/meissner/physics`.
 Each constant is *published* (a paper prints it), *read off* a figure or a sentence of a paper, from a
 *datasheet*, *computed* from others, or *chosen*. A scene's figures are only as good as its chosen constants;
 the last column states which figures depend on a constant.

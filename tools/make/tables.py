@@ -1,7 +1,7 @@
 """Generate rtl/common/msn_{log2,exp2}_pkg.sv, the tables of msn_log2 and msn_exp2, from their twins.
 
-python tools/tables.py           print the packages
-python tools/tables.py --write   write them
+python tools/make/tables.py           print the packages
+python tools/make/tables.py --write   write them
 """
 
 import argparse
@@ -16,7 +16,7 @@ HEAD = """// SPDX-License-Identifier: Apache-2.0
 //
 //   Entries[i] = {formula}, i = 0 .. 256
 //
-// Written by `python tools/tables.py --write` from integers: no tool computes a logarithm of its own.
+// Written by `python tools/make/tables.py --write` from integers: no tool computes a logarithm of its own.
 // Model: model/meissner/twins/common/{name}.py
 
 package msn_{name}_pkg;

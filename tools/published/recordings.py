@@ -1,6 +1,6 @@
 """Print the tables of docs/recordings.md as Markdown: false alarms on real recordings of a hold without slip.
 
-    python tools/recordings.py
+    python tools/published/recordings.py
 
 The recordings (docs/recordings.md names their source) are read from $MEISSNER_DATA or ../shared/data;
 without them the command prints one sentence and exits with code 2. Every figure of the core comes from the

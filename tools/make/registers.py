@@ -12,9 +12,9 @@ from pathlib import Path
 
 from systemrdl import RDLCompileError, RDLCompiler
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 SOURCE = "rtl/registers.rdl"
-MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make registers`."
+MADE = f"Made by tools/make/registers.py from {SOURCE}: change that, then `make registers`."
 
 # The fields that a build may make narrower than in the map: names in core.widths, and the map's bits.
 HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}

@@ -1,6 +1,6 @@
 """How keep threshold and hold affect the slip flag while an object slides: docs/slip.md's table, as Markdown.
 
-    python tools/slip_keep.py [SEEDS]      seeds for each condition, 20 by default
+    python tools/published/slip_keep.py [SEEDS]      seeds for each condition, 20 by default
 
 Every condition and seed of the scenes with a slip, on the fixed engine's twins, by the keep threshold (as a
 share of the threshold) and the hold. ``contact while sliding``: the share of the time from the slip of the

@@ -1,6 +1,6 @@
 """Measure what the reflex gains from the shear speed: grip_disturb with msn_shear_speed's twin in the loop.
 
-    python tools/grip_speed.py --runs 20 --gain 0 70 210
+    python tools/published/grip_speed.py --runs 20 --gain 0 70 210
 
 The estimator's twin gets the same codes as the slip path. The reflex gets its speeds, in 1/4096 mm/s, before
 the windows of a cycle. ``in_hold_i`` is high while the hand closes and for one cycle after, since a larger

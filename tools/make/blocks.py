@@ -1,8 +1,8 @@
 """Write docs/blocks.md from the header comments of the sources in rtl/rtl.f, the list of these sources in
 meissner.core (for FuseSoC), and the tables of docs/references.md.
 
-    python tools/blocks.py           print the page
-    python tools/blocks.py --page    write all three
+    python tools/make/blocks.py           print the page
+    python tools/make/blocks.py --page    write all three
 
 The first sentence of a header states what the block does, the sentence that begins with "Latency" or
 "Combinational" its latency, and a path under model/meissner/ its twin. The test has the block's name.
@@ -19,7 +19,7 @@ CORE = toolchain.ROOT / "meissner.core"
 MODEL = "model/meissner/twins/"
 HEAD = """# Blocks
 
-`python tools/blocks.py --page` writes this page from the header comments of the sources, in the order of
+`python tools/make/blocks.py --page` writes this page from the header comments of the sources, in the order of
 `rtl/rtl.f`. The headers also give each block's formula and formats. [frames.md](frames.md) describes the
 handshake and how each block handles damaged frames, [references.md](references.md) the reference of each
 twin, [trust.md](trust.md) the evidence for each block. A cell is empty if the header gives no single latency
@@ -38,7 +38,7 @@ def header(path):
             break
         lines.append(line.removeprefix("//").removeprefix(" ").rstrip())
     paragraphs = "\n".join(lines[1:]).strip().split("\n\n")
-    # The first paragraph of a file that tools/registers.py generates says only that.
+    # The first paragraph of a file that tools/make/registers.py generates says only that.
     return [text for text in paragraphs if not text.startswith("Made by ")]
 
 

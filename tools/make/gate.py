@@ -1,9 +1,9 @@
 """Compare each board's netlist with its sources: both get the same ADC codes and must send the same bytes.
 
-    python tools/gate.py                     every pair of a board and a configuration
-    python tools/gate.py icebreaker slip1    one pair
-    python tools/gate.py --scenes            every scene on twins, RTL and netlist (gate_scenes.py)
-    python tools/gate.py --scenes cop_slip   one scene
+    python tools/make/gate.py                     every pair of a board and a configuration
+    python tools/make/gate.py icebreaker slip1    one pair
+    python tools/make/gate.py --scenes            every scene on twins, RTL and netlist (gate_scenes.py)
+    python tools/make/gate.py --scenes cop_slip   one scene
 
 Each pair runs twice: with noise, in which an object later presses and is shaken now and then, and with the
 scene that the configuration is meant for. Exit code 1 if a byte differs, or if no byte is sent.

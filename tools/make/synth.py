@@ -1,14 +1,14 @@
 """Build the bitstream of a board and a configuration, with its resources and Fmax, from PyPI tools alone.
 
-    python tools/synth.py ulx3s                    its first configuration
-    python tools/synth.py icebreaker slip1         into build/synth/icebreaker-slip1/
-    python tools/synth.py ulx3s mine.toml          your own configuration (docs/config.md)
-    python tools/synth.py ulx3s slip1 --device 85F  for a board with another device, into ulx3s-slip1-85F/
-    python tools/synth.py ulx3s mine.toml --pins   only list its pins
-    python tools/synth.py --list                   list all pairs
-    python tools/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
-    python tools/synth.py --check [BOARD CONFIG]   the same, but compare with that file
-    python tools/synth.py --macros arty_a7 CONFIG   only write Vivado's input: macros, top, constraints
+    python tools/make/synth.py ulx3s                    its first configuration
+    python tools/make/synth.py icebreaker slip1         into build/synth/icebreaker-slip1/
+    python tools/make/synth.py ulx3s mine.toml          your own configuration (docs/config.md)
+    python tools/make/synth.py ulx3s slip1 --device 85F  for a board with another device, into ulx3s-slip1-85F/
+    python tools/make/synth.py ulx3s mine.toml --pins   only list its pins
+    python tools/make/synth.py --list                   list all pairs
+    python tools/make/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
+    python tools/make/synth.py --check [BOARD CONFIG]   the same, but compare with that file
+    python tools/make/synth.py --macros arty_a7 CONFIG   only write Vivado's input: macros, top, constraints
 
 The bitstream is that of the first seed that meets the clock; resources.json has the worst of three. It is an
 error if no seed meets the clock, if a design does not fit, and in a check if anything grew by more than 3 %.

@@ -1,6 +1,6 @@
 """Print docs/mesh.md's tables as Markdown: the correction, its limits, solver times.
 
-    python tools/mesh_figures.py [correction] [cross] [limits] [timings] [few] [--large]
+    python tools/published/mesh_figures.py [correction] [cross] [limits] [timings] [few] [--large]
 
 Default: the first three, which are reproducible to the digit. Timings depend on the machine; --large adds
 sparse LU at 1024×1024 (4 GB), and 1024×1024 with every taxel loaded (a minute).

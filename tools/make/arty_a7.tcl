@@ -1,7 +1,7 @@
 # Bitstream for the Arty A7-35T with Vivado. Not tested: Vivado was not available.
 #
-#   python tools/synth.py --macros arty_a7 fingertip     build/synth/arty_a7-fingertip/msn_build.svh
-#   vivado -mode batch -source tools/arty_a7.tcl -tclargs fingertip
+#   python tools/make/synth.py --macros arty_a7 fingertip     build/synth/arty_a7-fingertip/msn_build.svh
+#   vivado -mode batch -source tools/make/arty_a7.tcl -tclargs fingertip
 #
 # Run it in the repository's root, with slip1, fingertip, or the name of a TOML file without its suffix. For the
 # -100T change the part.
@@ -9,7 +9,7 @@
 set config [expr {$argc > 0 ? [lindex $argv 0] : "fingertip"}]
 set folder build/synth/arty_a7-$config
 if {![file exists $folder/msn_build.svh]} {
-  puts stderr "run first: python tools/synth.py --macros arty_a7 $config"
+  puts stderr "run first: python tools/make/synth.py --macros arty_a7 $config"
   exit 2
 }
 

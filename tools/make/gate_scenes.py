@@ -1,4 +1,4 @@
-"""Run every scene on the twins, the Verilated RTL and its netlist: `python tools/gate.py --scenes`.
+"""Run every scene on the twins, the Verilated RTL and its netlist: `python tools/make/gate.py --scenes`.
 
 A scene runs on the engine `gate` as in `meissner run`; each call to the netlist is repeated with the same
 arguments on the RTL and the twins. A scene with seeds runs its first seed in every condition, to the end. A

@@ -1,8 +1,8 @@
 """Measure how far a board's LUT count depends on the order in which ABC gets the gates.
 
-    python tools/orders.py ulx3s slip1                        20 orders
-    python tools/orders.py ulx3s slip1 --synth synth_ecp5     with another synthesis command than the board's
-    python tools/orders.py ulx3s cop4 --orders 5
+    python tools/published/orders.py ulx3s slip1                        20 orders
+    python tools/published/orders.py ulx3s slip1 --synth synth_ecp5     with another synthesis command than the board's
+    python tools/published/orders.py ulx3s cop4 --orders 5
 
 Yosys makes the gates once. For each order the top's cells are shuffled with a seed and mapped by ABC. Only
 the mapping changes, so two revisions differ in area only if their LUT ranges differ. For boards with an ECP5.
