@@ -104,7 +104,7 @@ pages: $(SIM)  ## write all pages again that are made from records or sources; r
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
 	@$(BIN)/python tools/make/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))
 
-resources: $(SYNTH)  ## constraints/resources.json and docs/boards.md: every board with every configuration, three seeds each
+resources: $(SYNTH)  ## constraints/resources.json: every board with every configuration, three seeds each
 	@$(BIN)/python tools/make/synth.py --record
 
 gate: $(SYNTH)  ## compare every board's netlist with its sources: the same codes in, the same bytes out
@@ -116,8 +116,8 @@ gate-scenes: $(SYNTH)  ## compare every scene on twins, RTL and netlist, bit for
 fmax: $(SYNTH)  ## measure Fmax and area of blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
 	@$(BIN)/python tools/make/fmax.py --jobs $(JOBS) $(FMAX)
 
-figures: $(SYNTH)  ## the figures of scenes and tools: docs/figures.json, docs/results.md, README [FIGURES="cop_slip"]
-	@$(BIN)/python tools/figures.py --record $(FIGURES)
+figures: $(SYNTH)  ## measure the figures of a version: docs/results.md and the pages of results [FIGURES="cop_slip"]
+	@$(BIN)/python tools/make/figures.py $(FIGURES)
 
 formal: $(FORMAL)  ## prove the blocks by k-induction, with two solvers each: docs/trust/formal.json
 	@$(BIN)/python tools/formal.py --record --jobs $(JOBS) $(BLOCKS)

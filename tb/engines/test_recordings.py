@@ -1,7 +1,7 @@
 """120 recordings of a gripper that closes and holds, without slip: fixed equals rtl in every field at every
-level, with and without the timers of the slip states. The counts of tools/published/recordings.py equal those of
-PyWavelets and plain NumPy, and docs/recordings.md shows what was measured. Without the data the tests are
-skipped with a message; that the tool reports missing data is tested everywhere."""
+level, with and without the timers of the slip states. The counts of tools/published/recordings.py equal
+those of PyWavelets and plain NumPy, and docs/recordings.md shows what was measured. Without the data the
+tests are skipped with a message; that the tool reports missing data is tested everywhere."""
 
 import importlib.util
 import os

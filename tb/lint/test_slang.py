@@ -1,5 +1,5 @@
-"""tools/make/slang.py: code that violates the standard but passes Verilator and Yosys stops `make lint`; clean
-files pass without output, parameters reach the top, whatever the path."""
+"""tools/make/slang.py: code that violates the standard but passes Verilator and Yosys stops `make lint`;
+clean files pass without output, parameters reach the top, whatever the path."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""docs/constants.md: every constant of the physics has an origin, and the dependence of the slip figures on
+"""Every constant of the physics has an origin, and the dependence of the slip figures on
 some of them is measured."""
 
 import types
@@ -6,10 +6,9 @@ import types
 import numpy as np
 import pytest
 
-from published import constants
-import figures
 from meissner.physics import plate, rubber
 from meissner.tradeoff.changes import Change
+from published import constants
 
 
 @pytest.mark.parametrize("module", constants.modules(), ids=lambda module: module.__name__.split(".")[-1])
@@ -27,16 +26,6 @@ def test_constants_are_numbers_and_tables_of_them():
         lower=3, _HIDDEN=4, WORD="x", FLAG=True, NAMES=("a", "b"),
     )  # fmt: skip
     assert list(constants.constants(made)) == ["A", "B_2", "C", "D", "E"]
-
-
-def test_the_page_says_what_is_recorded():
-    records = figures.Records()
-    summary = records.printed["constants"]["summary"]
-    page = constants.page(summary, records.stale("constants"))
-    assert constants.PAGE.read_text("utf-8") == page, "`python tools/published/constants.py --page`"
-    assert "**stale**" in constants.page(summary, True) and "**stale**" not in constants.page(summary)
-    for changes, rows in ((constants.CHANGES, summary["rows"]), (constants.HELD_CHANGES, summary["held"])):
-        assert [(row["name"], row["value"]) for row in rows[1:]] == [(one.name, one.value) for one in changes]
 
 
 def test_a_change_reaches_what_is_computed_from_it_and_ends():

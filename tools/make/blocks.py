@@ -1,8 +1,8 @@
-"""Write docs/blocks.md from the header comments of the sources in rtl/rtl.f, the list of these sources in
-meissner.core (for FuseSoC), and the tables of docs/references.md.
+"""Write docs/blocks.md from the header comments of the sources in rtl/rtl.f, and the list of these sources in
+meissner.core (for FuseSoC).
 
     python tools/make/blocks.py           print the page
-    python tools/make/blocks.py --page    write all three
+    python tools/make/blocks.py --page    write both
 
 The first sentence of a header states what the block does, the sentence that begins with "Latency" or
 "Combinational" its latency, and a path under model/meissner/ its twin. The test has the block's name.
@@ -11,7 +11,6 @@ The first sentence of a header states what the block does, the sentence that beg
 import argparse
 import re
 
-import references
 from meissner.builds import toolchain
 
 PAGE = toolchain.ROOT / "docs/blocks.md"
@@ -21,8 +20,7 @@ HEAD = """# Blocks
 
 `python tools/make/blocks.py --page` writes this page from the header comments of the sources, in the order of
 `rtl/rtl.f`. The headers also give each block's formula and formats. [frames.md](frames.md) describes the
-handshake and how each block handles damaged frames, [references.md](references.md) the reference of each
-twin, [trust.md](trust.md) the evidence for each block. A cell is empty if the header gives no single latency
+handshake and how each block handles damaged frames. A cell is empty if the header gives no single latency
 or the file does not exist.
 
 | block | stage | what it does | latency, throughput | twin | test |
@@ -97,13 +95,10 @@ def core(before):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--page", action="store_true", help="write docs/blocks.md, docs/references.md, meissner.core"
-    )
+    parser.add_argument("--page", action="store_true", help="write docs/blocks.md and meissner.core")
     if parser.parse_args().page:
         PAGE.write_text(page())
         CORE.write_text(core(CORE.read_text()))
-        references.PAGE.write_text(references.page(references.PAGE.read_text()))
     else:
         print(page(), end="")
 

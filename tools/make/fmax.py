@@ -3,7 +3,7 @@
     python tools/make/fmax.py                    every entry of TABLE on each of its targets
     python tools/make/fmax.py 'divide*' -t ecp5  only these entries, only this target
     python tools/make/fmax.py --list             list the entries
-    python tools/make/fmax.py --record 'slip*'   also record them in constraints/fmax.json, with the RTL's digest
+    python tools/make/fmax.py --record 'slip*'   also record them in constraints/fmax.json
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
 one pin, with registers on both sides, so that neither the pin count nor pin timing matters. The harness's own
@@ -13,8 +13,6 @@ None) are not in the harness, so synthesis optimises them away. Results: a table
 """
 
 import argparse
-import datetime
-import hashlib
 import json
 import sys
 import time
@@ -24,12 +22,11 @@ from pathlib import Path
 from threading import Lock
 
 from meissner.builds.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
-from meissner.tradeoff import area
+from meissner.tradeoff.area import BLOCKS
 from meissner.twins.link.registers import members, struct_word
-from verify import revision
+from version import record
 
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees only files below its working directory
-RECORD = ROOT / "constraints/fmax.json"
 SEEDS = (1, 2, 3)
 
 # Target: synthesis command, place and route command, requested MHz, names of the resources in the report.
@@ -165,25 +162,6 @@ TABLE = {
     "bridge": ("msn_bridge", {}, None, "ecp5 up5k"),
     "link-64x64": ("msn_link", {}, None, "ecp5"),
 }
-
-
-def revision_of(name, target):
-    """Digest, eight digits, that changes with the RTL, the entry, the target's commands or tool versions."""
-    module, parameters, clocks, _, *tied = TABLE[name]
-    rtl = revision.digest(module.removeprefix("msn_"), "fmax")
-    setting = repr((rtl, module, parameters, clocks, tied, TARGETS[target]))
-    return hashlib.sha256(setting.encode()).hexdigest()[:8]
-
-
-def record(result, of):
-    """Merge the result of ``measure``, for revision ``of``, into the current constraints/fmax.json."""
-    kept = json.loads(RECORD.read_text()) if RECORD.exists() else {}
-    rests = area.digest(
-        result["module"], result["parameters"], result["target"]
-    )  # `meissner tradeoff` reads it
-    facts = {"date": str(datetime.date.today()), "of": of, "rests": rests}
-    kept[f"{result['name']} {result['target']}"] = result | facts
-    RECORD.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
 
 
 def ports(module, parameters, stem):
@@ -349,13 +327,13 @@ def main():
     recording = Lock()
 
     def job(pair):
-        begin, of = time.monotonic(), revision_of(*pair)  # before the run: the RTL may change meanwhile
+        begin = time.monotonic()
         result = measure(*pair, options.seeds)
         took = time.monotonic() - begin
         print(f"{pair[0]} {pair[1]}: {result['mhz_worst']} MHz, {took:.0f} s", file=sys.stderr, flush=True)
         if options.record:
             with recording:
-                record(result, of)
+                record(BLOCKS, {" ".join(pair): result})
         return result
 
     with ThreadPoolExecutor(options.jobs) as pool:

@@ -1,4 +1,4 @@
-"""Run slang on SystemVerilog, as strict as other vendors' tools: python tools/make/slang.py ARGUMENTS OF SLANG.
+"""Run slang on SystemVerilog, as strict as other tools: python tools/make/slang.py ARGUMENTS OF SLANG.
 
 PyPI offers slang only as a Python module. Prints the findings; the exit code is 1 if there are any.
 """

@@ -1,21 +1,20 @@
 """Build the bitstream of a board and a configuration, with its resources and Fmax, from PyPI tools alone.
 
-    python tools/make/synth.py ulx3s                    its first configuration
-    python tools/make/synth.py icebreaker slip1         into build/synth/icebreaker-slip1/
-    python tools/make/synth.py ulx3s mine.toml          your own configuration (docs/config.md)
-    python tools/make/synth.py ulx3s slip1 --device 85F  for a board with another device, into ulx3s-slip1-85F/
-    python tools/make/synth.py ulx3s mine.toml --pins   only list its pins
-    python tools/make/synth.py --list                   list all pairs
-    python tools/make/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
-    python tools/make/synth.py --check [BOARD CONFIG]   the same, but compare with that file
-    python tools/make/synth.py --macros arty_a7 CONFIG   only write Vivado's input: macros, top, constraints
+    python tools/make/synth.py ulx3s                       its first configuration
+    python tools/make/synth.py icebreaker slip1            into build/synth/icebreaker-slip1/
+    python tools/make/synth.py ulx3s mine.toml             your own configuration (docs/config.md)
+    python tools/make/synth.py ulx3s slip1 --device 85F    another device, into ulx3s-slip1-85F/
+    python tools/make/synth.py ulx3s mine.toml --pins      only list its pins
+    python tools/make/synth.py --list                      list all pairs
+    python tools/make/synth.py --record [BOARD CONFIG]     three seeds, into constraints/resources.json
+    python tools/make/synth.py --check [BOARD CONFIG]      the same, but compare with that file
+    python tools/make/synth.py --macros arty_a7 CONFIG     only Vivado's input: macros, top, constraints
 
 The bitstream is that of the first seed that meets the clock; resources.json has the worst of three. It is an
 error if no seed meets the clock, if a design does not fit, and in a check if anything grew by more than 3 %.
 """
 
 import argparse
-import json
 import sys
 import time
 
@@ -23,13 +22,13 @@ from meissner.builds import boards
 from meissner.builds import config as configurations
 from meissner.builds.bitstream import AREA, LIMIT_S, OUT, build, label, private
 from meissner.builds.yowasp import ROOT, ToolError, warm_up
+from meissner.tradeoff.area import BOARDS as RESOURCES
+from meissner.tradeoff.area import recorded
 from meissner.twins.frontend.adc_spi import AdcSpi
-from verify import revision
+from version import record
 
-RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)
 GROWTH = 0.03
-PAGE = ROOT / "docs/boards.md"
 
 
 def compare(name, before, now):
@@ -47,8 +46,8 @@ def compare(name, before, now):
     return said
 
 
-def missing(recorded):
-    """A sentence for each pair that ``recorded`` lacks or should not have.
+def missing(kept):
+    """A sentence for each pair that ``kept`` lacks or should not have.
 
     It must have every board with every named configuration: with its figures, or the reason for having none.
     """
@@ -57,7 +56,7 @@ def missing(recorded):
     for board in boards.BOARDS.values():
         for config in dict.fromkeys([*board.configs, *configurations.names()]):
             name = f"{board.name}-{config}"
-            entry = recorded.get(name, {})
+            entry = kept.get(name, {})
             offered = config in board.configs
             if offered and not {"mhz", "left_out"} & set(entry):
                 said.append(f"{name} is not in {where}")
@@ -68,7 +67,7 @@ def missing(recorded):
     there = {f"{board.name}-{name}" for board in boards.BOARDS.values() for name in configurations.names()}
     return said + [
         f"{name} is in {where} but is no pair of a board and a configuration"
-        for name in sorted(set(recorded) - there)
+        for name in sorted(set(kept) - there)
     ]
 
 
@@ -87,8 +86,8 @@ def half_bit(board, config):
     return 1e6 * (clocks - 1) / clk_khz, part.access_ns
 
 
-def tables(recorded):
-    """The page's tables of resources, of pins and of pairs without figures, from resources.json."""
+def tables(kept):
+    """Tables for docs/results.md: resources, pins' timing, pairs without a bitstream."""
     area = [
         "| board, configuration | clock, MHz | Fmax, worst of three | LUT | FF | block RAM | DSP |",
         "|---" * 7 + "|",
@@ -100,15 +99,13 @@ def tables(recorded):
     none = ["| board, configuration | why there is none |", "|---" * 2 + "|"]
     for board in boards.BOARDS.values():
         for config in configurations.names():
-            if reason := recorded[f"{board.name}-{config}"].get("left_out"):
+            if reason := kept[f"{board.name}-{config}"].get("left_out"):
                 none.append(f"| {board.title.partition(' (')[0]}, {config} | {reason} |")
     for board, config in boards.pairs():
-        r = recorded[f"{board.name}-{config}"]
+        r = kept[f"{board.name}-{config}"]
         if "left_out" in r:
             continue
         name = f"{label(board.title.partition(' (')[0], r.get('device'))}, {config}"
-        if r.get("of") != revision.of_board(board, config)(r.get("blocks", "")):
-            name += " (stale)"
         used = " | ".join(str(r[key]) for key in AREA)
         enough = sum(mhz >= r["clk_mhz"] for mhz in r["mhz"])
         worst = f"{r['mhz_worst']}" + (f"; {enough} of 3 seeds meet the clock" if enough < 3 else "")
@@ -122,23 +119,14 @@ def tables(recorded):
     return "\n".join(area), "\n".join(pins), "\n".join(none)
 
 
-def write_tables(recorded):
-    """Replace the tables in their page."""
-    text = PAGE.read_text()
-    for table in tables(recorded):
-        before, _, after = text.partition(table.partition("\n")[0])
-        rest = after.split("\n\n", 1)[1]
-        text = f"{before}{table}\n\n{rest}"
-    PAGE.write_text(text)
-
-
 def write(found):
-    """Merge ``found`` into the current constraints/resources.json, with the reasons for pairs not offered."""
-    kept = (json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}) | found
-    for board in boards.BOARDS.values():
-        kept |= {f"{board.name}-{name}": left_out(board, name) for name in board.left_out}
-    RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
-    return kept
+    """Merge ``found`` into constraints/resources.json, with the reasons for pairs not offered."""
+    reasons = {
+        f"{board.name}-{name}": left_out(board, name)
+        for board in boards.BOARDS.values()
+        for name in board.left_out
+    }
+    return record(RESOURCES, found | reasons)
 
 
 def tell(name, result):
@@ -216,11 +204,10 @@ def make(board, config, plan, options):
 
 def measure(pairs, options):
     """Run every pair with every seed, and record or check it; returns a sentence for each error."""
-    kept = json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}
+    kept = recorded(RESOURCES, "make resources") if options.check else {}
     problems = missing(kept) if options.check and options.board is None else []
     for board, config, _ in pairs:
         name, begin = f"{board.name}-{config}", time.monotonic()
-        digest = revision.of_board(board, config)  # before the build reads the sources
         try:
             with private(name) as folder:
                 result = build(
@@ -235,9 +222,7 @@ def measure(pairs, options):
         if options.check:
             problems += compare(name, kept.get(name), result)
         if options.record:
-            kept = write({name: result | {"of": digest(result["blocks"])}})
-    if options.record and not missing(kept):
-        write_tables(kept)
+            kept = write({name: result})
     return problems
 
 

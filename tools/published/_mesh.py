@@ -10,9 +10,9 @@ from meissner.physics import mesh_loads
 from meissner.physics.mesh import Mesh
 from meissner.scenes.locus import circle
 from meissner.scenes.mesh import run as mesh_run
-from published.mesh_figures import errors
 from published import Row, Table
 from published._parts import EXACT, NONE, figure, label, owes, percent, save, signed
+from published.mesh_figures import errors
 
 HEAD = """The mesh's equations are solved exactly, so these are the circuit's own errors; `meissner budget
 --cop4` shows the errors that a converter adds ([cop4.md](../cop4.md)). Position errors are distances as a

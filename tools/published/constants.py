@@ -1,12 +1,9 @@
-"""The origin of each constant of the physics, and how far slip's headline figures depend on the chosen ones.
-
-    python tools/published/constants.py --page                 write docs/constants.md from the modules and the record
-    python tools/figures.py --record constants       measure the changes of ``CHANGES`` again (minutes)
+"""The origin of each constant of the physics, and how far slip's headline figures depend on the chosen ones:
+docs/constants.md, measured by `make figures FIGURES="constants"` in minutes.
 
 Each module of meissner.physics states the origins of its constants: ORIGINS = {name: (kind, where, effect)}.
 """
 
-import argparse
 import importlib
 import pkgutil
 import re
@@ -161,14 +158,17 @@ def changes_table(changes, rows):
 
 HEAD = """# Constants of the physics
 
-`python tools/published/constants.py --page` writes this page from `ORIGINS` of the modules in `model/meissner/physics`.
+{heading}
+
+`make figures FIGURES="constants"` writes this page from `ORIGINS` of the modules in `model/meissner/physics`.
 Each constant is *published* (a paper prints it), *read off* a figure or a sentence of a paper, from a
 *datasheet*, *computed* from others, or *chosen*. A scene's figures are only as good as its chosen constants;
 the last column states which figures depend on a constant.
 
 ## How the slip figures depend on constants
 
-`python tools/figures.py --record constants` changes one constant at a time{stale}.
+One constant is changed at a time. If one changes, the median delay of `acrylic_slip` is {least:.1f} to
+{most:.0f} ms, and with {lost} of {changes} changes most slips are missed.
 Missed slips, delay and lead are from {runs} runs of `acrylic_slip`. False alarms are from these runs and
 {presses} runs of `normal_force`, for constants that affect them. The delay is the median time from the first
 partial slip to the flag, over all flags. The lead is the shortest time from the flag to the slip of the whole
@@ -180,15 +180,21 @@ pulls, fast and slow.
 """
 
 
-def page(summary, stale=False):
+def page(summary, heading):
     """The page's text."""
+    rows = summary["rows"]
+    (least, most), _ = ranges(rows)
     head = HEAD.format(
+        heading=heading,
         runs=summary["runs"],
         presses=2 * summary["runs"],
-        stale="; what it rests on has changed since: **stale**" if stale else "",
+        least=least,
+        most=most,
+        lost=sum(map(most_missed, rows)),
+        changes=len(rows) - 1,
     )
     pulls, of = summary["held"][0]["missed"]["runs"], summary["held"][0]["false_alarm"]["runs"]
-    parts = [head, changes_table(CHANGES, summary["rows"])]
+    parts = [head, changes_table(CHANGES, rows)]
     parts += [HELD_HEAD.format(pulls=pulls, grips=of - pulls), changes_table(HELD_CHANGES, summary["held"])]
     for module in modules():
         name = module.__name__.removeprefix("meissner.physics.")
@@ -201,15 +207,7 @@ def page(summary, stale=False):
     return "\n\n".join(part.strip() for part in parts) + "\n"
 
 
-def main():
-    import figures as figures_page
-
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--page", action="store_true", required=True, help="write docs/constants.md")
-    parser.parse_args()
-    records = figures_page.Records()
-    PAGE.write_text(page(records.printed["constants"]["summary"], records.stale("constants")), "utf-8")
-
-
-if __name__ == "__main__":
-    main()
+def write(heading):
+    """Measure and write the page; returns its path."""
+    PAGE.write_text(page(figures(), heading), "utf-8")
+    return str(PAGE.relative_to(toolchain.ROOT))

@@ -1,8 +1,8 @@
 """The resolution of msn_shear_speed: error by table bits, effect of one converter LSB, latency on the rubber.
 
-    python tools/published/shear_speed.py                    print the three tables of docs/shear_speed.md, as Markdown
+    python tools/published/shear_speed.py                    the three tables of docs/shear_speed.md
     python tools/published/shear_speed.py --plot FILE        also plot the effect of one LSB over Vi
-    python tools/published/shear_speed.py --area [BITS ...]  only LUTs and Fmax by table bits: one seed, ECP5 (minutes)
+    python tools/published/shear_speed.py --area [BITS ...]  only LUTs and Fmax by table bits, ECP5
 
 All without noise. The rubber is that of meissner.physics.rubber; its Vc rises as 1 - exp(-3 x / 0.01 mm).
 """
