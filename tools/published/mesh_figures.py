@@ -1,13 +1,9 @@
-"""Print docs/mesh.md's tables as Markdown: the correction, its limits, solver times.
+"""Print docs/mesh.md's tables as Markdown: the correction and its limits.
 
-    python tools/published/mesh_figures.py [correction] [cross] [limits] [timings] [few] [--large]
-
-Default: the first three, which are reproducible to the digit. Timings depend on the machine; --large adds
-sparse LU at 1024×1024 (4 GB), and 1024×1024 with every taxel loaded (a minute).
+python tools/published/mesh_figures.py [correction] [cross] [limits]
 """
 
 import argparse
-import itertools
 import time
 
 import numpy as np
@@ -143,93 +139,6 @@ def best(call, repeats=7):
     return min(times)
 
 
-def timings(large):
-    mesh = Mesh(41, 41, 10.0)
-    load = mesh_loads.cop_six_random(10.0, 5.0, 1000).load
-    mesh.solve(load[0], "fast")
-    plain = best(lambda: Circuit(mesh, load[0]).plain())
-    full = best(lambda: mesh.solve(load[0], "lu"))
-    one = best(lambda: mesh.solve(load[0], "fast"), 50)
-    batch = best(lambda: mesh.solve(load, "fast")) / 1000
-    certified = best(lambda: mesh.solve(load, "fast").bound) / 1000
-    rows = [("41×41, six contacts, sparse LU, one solve", f"{plain * 1e3:.2f} ms", "", f"{full / plain:.1f}")]
-    rows.append(
-        ("the same as called: refined and certified", f"{full * 1e3:.2f} ms", f"{plain / full:.1f}", "1")
-    )
-    for name, seconds in (
-        ("fast, one scene a call", one),
-        ("fast, per scene in a batch of 1,000", batch),
-        ("the same with bounds", certified),
-    ):
-        rows.append((name, f"{seconds * 1e6:.1f} µs", f"{plain / seconds:,.0f}", f"{full / seconds:,.0f}"))
-    large_mesh = Mesh(1024, 1024, 10.0)
-    touched = mesh_loads.random_points(1024, 1024, 6, [5.0], 1)[0]
-    rows.append(
-        (
-            "1024×1024, six contacts, fast, first call",
-            f"{best(lambda: large_mesh.solve(touched), 1) * 1e3:.0f} ms",
-            "",
-            "",
-        )
-    )
-    for side in (100, 200, 300, *((512, 1024) if large else ())):
-        pressed = mesh_loads.random_points(side, side, 6, [5.0], 1)[0]
-        seconds = best(lambda side=side, pressed=pressed: Circuit(Mesh(side, side, 10.0), pressed).plain(), 1)
-        rows.append((f"{side}×{side}, sparse LU, one solve", f"{seconds:.2f} s", "", ""))
-    if large:
-        seconds = best(lambda: large_mesh.solve(np.full((1024, 1024), 5.0)), 1)
-        rows.append(("1024×1024, every taxel loaded, fast (transforms)", f"{seconds:.0f} s", "", ""))
-    show("Times", ("what", "time", "× faster than one sparse LU solve", "than solver=lu"), rows)
-
-
-def touch(side):
-    """{what: seconds per frame with six contacts}, the best of 300; also for reading without solving."""
-    mesh = Mesh(side, side, 10.0)
-    frames = np.concatenate([mesh_loads.random_points(side, side, 6, [5.0], seed) for seed in range(16)])
-    touches = [(*np.nonzero(frame), frame[np.nonzero(frame)]) for frame in frames]
-    words, narrow = frames.view(np.uint64), frames.astype(np.float32)
-    moved, given, small, read = map(itertools.cycle, (frames, touches, narrow, words))
-    written, steps = np.zeros((side, side)), itertools.cycle(itertools.pairwise([*touches, touches[0]]))
-
-    def in_place():
-        (*last, _), (*place, force) = next(steps)
-        written[*last] = 0
-        written[*place] = force
-        mesh.solve(written)
-
-    calls = {
-        "frames, the same taxels": lambda: mesh.solve(frames[0]),
-        "one frame in the cache, other taxels each time": in_place,
-        "16 frames in turn": lambda: mesh.solve(next(moved)),
-        "16 frames in turn, of float32": lambda: mesh.solve(next(small)),
-        "contacts (`press`), the same": lambda: mesh.press(*touches[0]),
-        "contacts (`press`), others each time": lambda: mesh.press(*next(given)),
-        "only reading: one frame": lambda: np.bitwise_or.reduce(words[0], 1),
-        "only reading: 16 frames in turn": lambda: np.bitwise_or.reduce(next(read), 1),
-    }
-    times = {}
-    for name, call in calls.items():
-        for _ in range(32):
-            call()  # fills the caches
-        times[name] = best(call, 300)
-    return times
-
-
-def few():
-    """Time of a frame with six contacts: it must not depend on the side, only on the frame's own bytes."""
-    small, large = touch(64), touch(1024)
-    rows = [
-        (
-            name,
-            f"{small[name] * 1e6:.0f} µs",
-            f"{large[name] * 1e6:.0f} µs",
-            f"{large[name] / small[name]:.1f}",
-        )
-        for name in small
-    ]
-    show("Few contacts", ("what", "64×64", "1024×1024", "times"), rows)
-
-
 def figures():
     """The two solvers on 1,000 scenes of six contacts: largest relative difference, ratios of time.
 
@@ -251,19 +160,11 @@ def figures():
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument(
-        "tables", nargs="*", metavar="table", help="correction, cross, limits, timings or few"
-    )
-    parser.add_argument("--large", action="store_true", help="the slow timings too")
+    calls = {"correction": correct, "cross": cross, "limits": limits}
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tables", nargs="*", metavar="table", help="correction, cross or limits")
     wanted = parser.parse_args()
-    calls = {"correction": correct, "limits": limits}
-    calls["cross"] = cross
-    calls["timings"] = lambda: timings(wanted.large)
-    calls["few"] = few
-    for table in wanted.tables or ["correction", "cross", "limits"]:
+    for table in wanted.tables or calls:
         if table not in calls:
             parser.error(f"{table} is none of {', '.join(calls)}")
         calls[table]()

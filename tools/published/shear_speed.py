@@ -1,13 +1,9 @@
 """The resolution of msn_shear_speed: error by table bits, effect of one converter LSB, latency on the rubber.
 
-    python tools/published/shear_speed.py                    the three tables of docs/shear_speed.md
-    python tools/published/shear_speed.py --plot FILE        also plot the effect of one LSB over Vi
-    python tools/published/shear_speed.py --area [BITS ...]  only LUTs and Fmax by table bits, ECP5
+    python tools/published/shear_speed.py       the three tables of docs/shear_speed.md
 
 All without noise. The rubber is that of meissner.physics.rubber; its Vc rises as 1 - exp(-3 x / 0.01 mm).
 """
-
-import argparse
 
 import numpy as np
 
@@ -17,7 +13,6 @@ from meissner.tradeoff.axes.shear import worst as error
 from meissner.twins.slip.shear_speed import RISING, ShearSettings, ShearSize, ShearSpeed
 
 MCP3208 = 4096 / 5
-CLOCKS = 58  # latency of msn_shear_speed with any tables; tb/slip/test_shear_speed.py counts them
 
 
 def precision():
@@ -43,23 +38,6 @@ def one_lsb(vi, v=1.0, per_v=MCP3208):
     return 100 * ((1 + 1 / rise) ** (1 / 0.11) - 1)
 
 
-def plot(path):
-    """Plot the effect of one code over Vi: 10 to 16 bits at 1 mm/s, and 12 bits at the ends of the range."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6, 3.6), layout="constrained")
-    axes = figure.subplots()
-    vi = np.linspace(2, 4, 101)
-    for bits, v, style in ((10, 1.0, "-"), (12, 0.01, ":"), (12, 1.0, "-"), (12, 3.0, "--"), (16, 1.0, "-")):
-        share = [one_lsb(each, v, (1 << bits) / 5) for each in vi]
-        axes.semilogy(vi, share, style, label=f"{bits} bits, {v:g} mm/s")
-    axes.axhline(2, color="0.6", linewidth=0.8)
-    axes.set(xlabel="Vi, V", ylabel="one code, % of v", title="What one LSB of the converter allows")
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="small", ncols=2)
-    figure.savefig(path, dpi=120)
-
-
 def latency(vi, v, travel=0.01, size=None):
     """(seconds to the first speed, worst error in per cent during the shear), after 0.5 s of rest."""
     size = size or ShearSize()
@@ -74,39 +52,7 @@ def latency(vi, v, travel=0.01, size=None):
     return (good[0] + 1) * (1 << size.window_log2) / RATE_HZ - 0.5, 100 * off
 
 
-def area(tables, widths):
-    """Rows of LUTs, registers, multipliers and MHz on ECP5 with one seed; ``widths``: sample bits."""
-    import fmax
-
-    (fmax.ROOT / fmax.OUT).mkdir(parents=True, exist_ok=True)
-    for table_bits in tables:
-        for bits in widths:
-            name = f"shear_speed-{bits}-{table_bits}"
-            size = {"SampleBits": bits, "TableBits": table_bits, "FractionBits": PRECISIONS[table_bits]}
-            fmax.TABLE[name] = ("msn_shear_speed", size, None, "ecp5")
-            yield table_bits, bits, fmax.measure(name, "ecp5", (1,))
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--area", type=int, nargs="*", choices=PRECISIONS, help="table bits; none: all")
-    parser.add_argument("--sample-bits", type=int, nargs="+", default=[17], help="of --area")
-    parser.add_argument("--plot", metavar="FILE", help="what one LSB allows, as a picture")
-    options = parser.parse_args()
-    if options.plot:
-        plot(options.plot)
-    if options.area is not None:
-        print("| table bits | sample bits | LUTs | registers | multipliers | block RAM | MHz | clocks |")
-        print("|---|---|---|---|---|---|---|---|")
-        for table_bits, bits, found in area(options.area or PRECISIONS, options.sample_bits):
-            used = found["area"]
-            print(
-                f"| {table_bits} | {bits} | {used['lut']} | {used['ff']} | {used['dsp']} | {used['ram']} ",
-                f"| {found['mhz_worst']:.0f} | {CLOCKS} |",
-                sep="",
-                flush=True,
-            )
-        return
     print("| table bits | fraction bits | bits of a ROM | arithmetic, % of v | with the registers' | bound |")
     print("|---|---|---|---|---|---|")
     for row in precision():
