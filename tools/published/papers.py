@@ -13,7 +13,7 @@ from published import Row
 
 FOLDER = ROOT / "docs/papers"
 NAMES = ("capacitive_array", "cop_slip_and_net", "initial_slip", "rope_slip", "shear_and_mesh")
-HEADER = ("figure", "what", "published", "ours", "difference", "constants of ours")
+HEADER = ("figure", "what", "published", "ours", "difference")
 
 
 def markdown(header, rows):
@@ -26,8 +26,8 @@ def page(name, heading, parts, pictures):
     module = importlib.import_module(f"published.{name}")
     written = [f"# {module.TITLE}", heading, module.HEAD.strip()]
     written.append(
-        f'`make figures FIGURES="{name}"` computes this page. The constants are those of '
-        "[constants.md](../constants.md): *published*, *read off* a figure, or *chosen*."
+        f'`make figures FIGURES="{name}"` computes this page. [constants.md](../constants.md) has '
+        "the constants of ours: where each is from, and what it affects."
     )
     rows = []
     for part in [*parts, None]:
