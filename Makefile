@@ -17,8 +17,8 @@ export PYTHONUTF8 := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures bench clean
-.PHONY: pages formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
+.PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
+.PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
 
 help:  ## print this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -98,9 +98,6 @@ registers: $(SIM)  ## write RTL, Python map, C header and page of the registers 
 blocks: $(SIM)  ## write docs/blocks.md from the headers of the sources, and their list for FuseSoC: meissner.core
 	@$(BIN)/python tools/make/blocks.py --page
 
-pages: $(SIM)  ## write all pages again that are made from records or sources; runs no evidence
-	@for tool in $$(grep -l '"--page"' tools/*.py tools/*/*.py); do $(BIN)/python "$$tool" --page >/dev/null || exit 1; done
-
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
 	@$(BIN)/python tools/make/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))
 
@@ -136,9 +133,6 @@ mutants-quick: $(SYNTH)  ## test a few mutants of a few quick blocks, and that t
 
 trust: $(FORMAL)  ## collect all evidence again, which takes hours: docs/trust.md, README's line [TRUST=--due]
 	@$(BIN)/python tools/trust.py --jobs $(JOBS) $(TRUST)
-
-bench: $(SIM)  ## measure samples per second of each engine and the time of a scene
-	@$(BIN)/python tools/make/bench_engines.py
 
 clean:  ## remove build/ (the environment in .venv stays; remove it by hand)
 	rm -rf build

@@ -41,30 +41,3 @@ def test_a_change_reaches_what_is_computed_from_it_and_ends():
         assert plate.RIPPLE_N == 2.0
     assert ripple == plate.RIPPLE_N
     assert before == (rubber.RING_HZ, rubber.RING_S, rubber.QUALITY, rubber.THICKNESS_MM)
-
-
-def test_a_change_that_matters_turns_the_figures(monkeypatch):
-    """Three runs: with events a quarter as large no slip is found in time; with the original size all are."""
-    monkeypatch.setattr(constants, "RUNS", 3)
-    as_is = constants._row()
-    quiet = Change("EVENT_SHARE", rubber.EVENT_SHARE / 4)
-    with constants.changed(quiet):
-        found = constants._row(quiet)
-    assert (as_is["missed"]["count"], as_is["false_alarm"]["count"], as_is["false_alarm"]["runs"]) == (
-        0,
-        0,
-        9,
-    )
-    assert found["missed"]["count"] == 3 and constants.most_missed(found) and not constants.most_missed(as_is)
-    assert found["false_alarm"] is None and found["lead_ms"] < 0 < as_is["lead_ms"]
-    assert found["delay_ms"] > as_is["delay_ms"]
-    early = constants._row(Change("first event", 0.12, first=0.12))
-    assert early["lead_ms"] > 4 * as_is["lead_ms"]
-
-
-def test_ranges_are_of_the_rows_in_which_most_slips_are_found():
-    def row(count, delay_ms, lead_ms):
-        return {"missed": {"count": count, "runs": 4}, "delay_ms": delay_ms, "lead_ms": lead_ms}
-
-    rows = [row(0, 5.0, 30.0), row(2, 90.0, -2.0), row(3, 370.0, -9.0), row(1, 0.5, 28.0)]
-    assert constants.ranges(rows) == ((0.5, 90.0), (-2.0, 30.0))

@@ -156,6 +156,8 @@ def test_a_change_that_matters_turns_a_conclusion():
     )
     assert usual["none_missed"] and usual["leads_100_ms"] and not quiet["none_missed"]
     assert constants.error({"change": "as they are", "runs": 3}) == usual, "the change has ended"
+    early = constants.error({"change": "first event 0.12", "runs": 3})
+    assert early["lead_ms_min"] > 4 * usual["lead_ms_min"] > 0 > quiet["lead_ms_min"]
 
 
 def test_shipped_points_are_the_named_configurations():

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import synth
 from meissner import interval, run, scenes
 from meissner.builds.toolchain import ROOT
-from meissner.tradeoff import area
+from meissner.tradeoff import area, table
 from version import commit, heading
 
 sys.path.insert(0, str(ROOT / "tools"))  # the rooms beside this one
@@ -107,10 +107,9 @@ def solvers():
 
 
 def engines():
-    import bench_engines
-
-    found = bench_engines.figures()
-    return ", ".join(f"{name} {found[name]:.1e}".replace("e+0", "e") for name in found)
+    axis = table.named("engine")
+    rates = {point["engine"]: 1e6 * axis.cost(point)["msamples_s"] for point in axis.points()}
+    return ", ".join(f"{name} {rate:.1e}".replace("e+0", "e") for name, rate in rates.items())
 
 
 def jitter():
@@ -202,7 +201,7 @@ ROWS = {
         '`make fmax FMAX="slip1"`',
     ),
     "acrylic_slip": Row(
-        "pre-slip flag, acrylic, 2 N, 100 runs (depends on chosen constants, [constants.md](constants.md))",
+        "pre-slip flag, acrylic, 2 N, 100 runs (depends on chosen constants, [tradeoff.md](tradeoff.md))",
         scene(acrylic, "acrylic_slip"),
         run_of("acrylic_slip"),
     ),
@@ -300,7 +299,7 @@ ROWS = {
     "soak": Row(
         "slip events lost at full image load, 6 Mbaud at 24 MHz", soak, "`python tools/soak_link.py`"
     ),
-    "engines": Row("engines, samples per second on one core", engines, "`make bench`"),
+    "engines": Row("engines, samples per second on one core", engines, "`meissner tradeoff --axis engine`"),
 }
 
 HEAD = """# Results

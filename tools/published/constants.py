@@ -7,24 +7,21 @@ Each module of meissner.physics states the origins of its constants: ORIGINS = {
 import importlib
 import pkgutil
 import re
-from dataclasses import replace
+from contextlib import nullcontext
 
 import numpy as np
 
 from meissner import physics, scenes
 from meissner.builds import toolchain
 from meissner.engines import fixed
-from meissner.physics import rubber
-from meissner.scenes.grip.run import judge as judge_held
+from meissner.scenes.grip.run import judge
 from meissner.scenes.rates import rates
-from meissner.scenes.rubber.judge import judge
-from meissner.tradeoff.changes import CHANGES, HELD_CHANGES, changed
+from meissner.tradeoff.changes import HELD_CHANGES, changed
 
 PAGE = toolchain.ROOT / "docs/constants.md"
 FORMATS = ("meissner.physics.cop4_config", "meissner.physics.cop4_registers")  # widths of registers
 KINDS = ("published", "read off", "datasheet", "computed", "chosen")
-SLIPS, PRESSES, HELD = "acrylic_slip", "normal_force", "cop_slip"
-RUNS = 100
+HELD = "cop_slip"
 
 
 def constants(module):
@@ -53,72 +50,23 @@ def modules():
     return [module for module in loaded if constants(module) and module.__name__ not in FORMATS]
 
 
-def _verdicts(name, first=None):
-    scene = scenes.load(name)
-    if first is not None:
-        scene = replace(scene, conditions=tuple(replace(c, first_event=first) for c in scene.conditions))
-    config = scene.slip_config()
-    for condition in scene.conditions:
-        for seed in range(1, 1 + RUNS):
-            recording = scenes.simulate(scene, condition, seed)
-            state = fixed.watch(recording.codes[None], config).state[0]
-            yield judge(recording, state, config)
-
-
-def _row(change=None):
-    """The figures with a change; without one, the figures as they are."""
-    slips = list(_verdicts(SLIPS, change and change.first))
-    presses = list(_verdicts(PRESSES)) if change is None or change.presses else None
-    return _of(slips) | {"false_alarm": rates(slips + presses)["false_alarm_rate"] if presses else None}
-
-
-def _of(verdicts):
-    """The entries of a row, from the verdicts of runs with slips."""
+def row(change=None):
+    """The figures of slip from four wires, all pulls and grips, with a change; without one, as they are."""
+    scene, verdicts = scenes.load(HELD), []
+    with changed(change) if change else nullcontext():
+        for condition in scene.conditions:
+            for seed in range(1, 1 + scene.seeds):
+                recording = scenes.simulate(scene, condition, seed)
+                _, decisions = fixed.cop_slip(recording.codes, scene.config, scene.lag, scene.registers)
+                verdicts.append(judge(recording, decisions))
     found = rates(verdicts)
     delays = [1e3 * one["delay_s"] for one in verdicts if one["delay_s"] is not None]
     return {
         "missed": found["missed_rate"],
         "false_alarm": found["false_alarm_rate"],
-        "delay_ms": round(float(np.median(delays)), 3) if delays else None,
+        "delay_ms": float(np.median(delays)) if delays else None,
         "lead_ms": found["lead_ms_min"],
     }
-
-
-def _held_row(change=None):
-    """The same for the scene ``HELD``: slip from four wires, all pulls and grips."""
-    scene = scenes.load(HELD)
-    verdicts = []
-    for condition in scene.conditions:
-        for seed in range(1, 1 + scene.seeds):
-            recording = scenes.simulate(scene, condition, seed)
-            _, decisions = fixed.cop_slip(recording.codes, scene.config, scene.lag, scene.registers)
-            verdicts.append(judge_held(recording, decisions))
-    return _of(verdicts)
-
-
-def _rows(changes, row):
-    """A row for the unchanged constants, then one for each of ``changes``."""
-    found = [{"name": "as they are", "value": None} | row()]
-    for change in changes:
-        with changed(change):
-            found.append({"name": change.name, "value": change.value} | row(change))
-    return found
-
-
-def figures():
-    """The record of ``CHANGES`` and of ``HELD_CHANGES``."""
-    return {"runs": RUNS, "rows": _rows(CHANGES, _row), "held": _rows(HELD_CHANGES, _held_row)}
-
-
-def most_missed(row):
-    return 2 * row["missed"]["count"] > row["missed"]["runs"]
-
-
-def ranges(rows):
-    """(least, greatest) median delay, and the same of the least lead; rows that miss most slips left out."""
-    rows = [row for row in rows if not most_missed(row)]
-    delays, leads = [row["delay_ms"] for row in rows], [row["lead_ms"] for row in rows]
-    return (min(delays), max(delays)), (min(leads), max(leads))
 
 
 def text_of(value):
@@ -130,29 +78,21 @@ def text_of(value):
     return str(value).replace("|", "\\|").replace("\n", " ")
 
 
-def changes_table(changes, rows):
-    """The table of ``changes`` as Markdown, from the recorded rows."""
+def changes_table(rows):
+    """The table of HELD_CHANGES as Markdown; ``rows``: that of the unchanged constants, then one for each."""
     lines = [
         "| constant | instead of | value | missed | with a false alarm | delay, median | lead, least |",
         "|---|---|---|---|---|---|---|",
     ]
-    present = {change.name: change.module for change in changes}
-    for row in rows:
-        usual = ""
-        if row["name"] in present:
-            usual = text_of(getattr(present[row["name"]], row["name"], rubber.ONSET_RATIO))
-
-        def share(found):
-            return f"{found['count']} of {found['runs']}" if found else "–"
-
-        delay, lead = (
-            f"{row[key]:.1f} ms" if row[key] is not None else "–" for key in ("delay_ms", "lead_ms")
-        )
-        value = "" if row["value"] is None else text_of(row["value"])
-        alarms = share(row["false_alarm"])
-        lines.append(
-            f"| {row['name']} | {usual} | {value} | {share(row['missed'])} | {alarms} | {delay} | {lead} |"
-        )
+    for change, found in zip((None, *HELD_CHANGES), rows, strict=True):
+        cells = ["as they are", "", ""]
+        if change:
+            cells = [change.name, text_of(getattr(change.module, change.name)), text_of(change.value)]
+        cells += [f"{found[key]['count']} of {found[key]['runs']}" for key in ("missed", "false_alarm")]
+        cells += [
+            f"{found[key]:.1f} ms" if found[key] is not None else "–" for key in ("delay_ms", "lead_ms")
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -167,47 +107,29 @@ the last column states which figures depend on a constant.
 
 ## How the slip figures depend on constants
 
-One constant is changed at a time. If one changes, the median delay of `acrylic_slip` is {least:.1f} to
-{most:.0f} ms, and with {lost} of {changes} changes most slips are missed.
-Missed slips, delay and lead are from {runs} runs of `acrylic_slip`. False alarms are from these runs and
-{presses} runs of `normal_force`, for constants that affect them. The delay is the median time from the first
-partial slip to the flag, over all flags. The lead is the shortest time from the flag to the slip of the whole
-contact; it is negative if a flag is late. A flag that is not raised before that slip is a miss.
-"""
-HELD_HEAD = """The same for `cop_slip`, slip from four wires: {pulls} pulls and {grips} runs with grip alone.
-The delay starts at the beginning of the pull, the lead ends when the object moves. The median is over all
-pulls, fast and slow.
+One constant is changed at a time. [tradeoff.md](tradeoff.md#constants-of-the-physics-that-nobody-published)
+has the changes for `acrylic_slip`. Here are those for `cop_slip`, slip from four wires: {pulls} pulls and
+{grips} runs with grip alone. The delay starts at the beginning of the pull, the lead ends when the object
+moves. The median is over all pulls, fast and slow.
 """
 
 
-def page(summary, heading):
-    """The page's text."""
-    rows = summary["rows"]
-    (least, most), _ = ranges(rows)
-    head = HEAD.format(
-        heading=heading,
-        runs=summary["runs"],
-        presses=2 * summary["runs"],
-        least=least,
-        most=most,
-        lost=sum(map(most_missed, rows)),
-        changes=len(rows) - 1,
-    )
-    pulls, of = summary["held"][0]["missed"]["runs"], summary["held"][0]["false_alarm"]["runs"]
-    parts = [head, changes_table(CHANGES, rows)]
-    parts += [HELD_HEAD.format(pulls=pulls, grips=of - pulls), changes_table(HELD_CHANGES, summary["held"])]
+def page(rows, heading):
+    """The page's text; ``rows``: those of ``changes_table``."""
+    pulls, of = rows[0]["missed"]["runs"], rows[0]["false_alarm"]["runs"]
+    parts = [HEAD.format(heading=heading, pulls=pulls, grips=of - pulls), changes_table(rows)]
     for module in modules():
         name = module.__name__.removeprefix("meissner.physics.")
-        rows = ["| constant | value | from | where | what it does |", "|---|---|---|---|---|"]
+        lines = ["| constant | value | from | where | what it does |", "|---|---|---|---|---|"]
         values, origins = constants(module), getattr(module, "ORIGINS", {})
         for key, value in values.items():
             kind, where, effect = (str(cell).replace("|", "\\|") for cell in origins[key])
-            rows.append(f"| {key} | {text_of(value)} | {kind} | {where} | {effect} |")
-        parts.append(f"## {name}\n\n" + "\n".join(rows))
+            lines.append(f"| {key} | {text_of(value)} | {kind} | {where} | {effect} |")
+        parts.append(f"## {name}\n\n" + "\n".join(lines))
     return "\n\n".join(part.strip() for part in parts) + "\n"
 
 
 def write(heading):
     """Measure and write the page; returns its path."""
-    PAGE.write_text(page(figures(), heading), "utf-8")
+    PAGE.write_text(page([row(change) for change in (None, *HELD_CHANGES)], heading), "utf-8")
     return str(PAGE.relative_to(toolchain.ROOT))

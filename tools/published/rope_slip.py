@@ -19,8 +19,8 @@ TITLE = "Fingertip Tactile Sensor for Detecting Rope Slip (3×3 FSR400, random f
 HEAD = """
 This repository models the paper's sensor: nine FSR400, their network, the converter and the centre of
 pressure, in `meissner run fsr_3x3`. It models no rope, stick-slip, rubber grips or random forest, so figures
-2 to 5 and 7 to 12 and tables I and III have no counterpart. Of tables II and IV only the printed arithmetic can
-be checked.
+2 to 5 and 7 to 12 and tables I and III have no counterpart. Of tables II and IV only the printed arithmetic
+can be checked.
 """
 STEPS = 150  # between the numbers of figure 6
 NONE = "no counterpart yet"
