@@ -5,8 +5,8 @@ import re
 from functools import cache
 
 import pytest
-
 import references
+
 from meissner.builds import toolchain
 
 PAGE = (toolchain.ROOT / "docs/references.md").read_text()

@@ -12,6 +12,7 @@ import argparse
 import re
 
 import references
+
 from meissner.builds import toolchain
 
 PAGE = toolchain.ROOT / "docs/blocks.md"
