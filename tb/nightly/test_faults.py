@@ -1,14 +1,14 @@
-"""`make faults` in a short form: a few hundred faults in small blocks, none of them undetected; and it finds
+"""Fault injection in a short form: a few hundred faults in small blocks, none of them undetected; it finds
 planted defects: a state machine that never recovers, a frame whose damage is not reported."""
 
-import json
 import re
 from pathlib import Path
 
 import pytest
 
 from meissner.builds import toolchain
-from verify import benches, evidence, faults, initial
+from nightly import faults, initial
+from nightly.limits import Limits
 
 
 @pytest.mark.parametrize("block", ["frame_filter", "skid"])
@@ -96,16 +96,22 @@ def test_a_setting_is_put_at_its_bits_of_the_struct():
     assert faults.placed("in_i:3 adc.period:1f adc.enable:1") == "in_i:3 cfg_i[23:0]:1f cfg_i[24:24]:1"
 
 
-def test_every_block_takes_part():
-    left_out = {block for block in benches.blocks() if evidence.of(block, "faults").get("none")}
-    assert left_out == {
-        *("compare", "constant_multiplier", "axis", "pwm", "finger_health", "actuate", "shear_speeds")
-    }
-    assert set(faults.blocks()) | left_out == set(benches.blocks())
-    for block in benches.blocks():
-        stated = evidence.of(block, "faults")
-        others = [*stated.get("inside", [block])[:1], *stated.get("kept_inside", {}).values()]
-        assert block in left_out or set(others) <= set(faults.blocks())
+def test_an_undetected_fault_breaks_the_limit_unless_it_is_named(monkeypatch):
+    """With the other bit of the register named, and with a name of another block's, it does."""
+    upset = faults.Result("bit", "level.3", 9, "silent", "")
+    monkeypatch.setattr(faults, "inject", lambda *_: [upset])
+    for block, register, bit, within in (
+        ("skid", "level", 3, True),
+        ("skid", "level", "any", True),
+        ("skid", "level", 2, False),
+        ("skid", "leve", 3, False),
+        ("fork", "level", 3, False),
+    ):
+        row = {"block": block, "register": register, "bit": bit, "reason": "none"}
+        found = faults.run("skid", Limits({"faults": {"undetected": [row]}}))
+        assert (found["broken"] == []) == within, row
+    monkeypatch.setattr(faults, "inject", lambda *_: [])
+    assert faults.run("skid", Limits({"faults": {"undetected": []}}))["broken"] == ["nothing was injected"]
 
 
 def test_a_table_of_constants_is_no_state(monkeypatch):
@@ -133,8 +139,3 @@ def test_wrapper_has_the_ports_and_parameters_of_its_block():
     text = faults.wrapper("fifo", source)
     assert "msn_fifo #(.Depth(Depth), .Width(Width)) u_block (.*);" in text
     assert re.search(r"module faults_top #\(\s*parameter int unsigned Depth = 16", text)
-
-
-def test_the_page_has_what_is_recorded():
-    blocks = json.loads((toolchain.ROOT / "docs/trust/faults.json").read_text())["blocks"]
-    assert (toolchain.ROOT / "docs/faults.md").read_text().endswith(f"recorded\n\n{faults.table(blocks)}")

@@ -1,29 +1,23 @@
-"""The proofs of tools/equivalence.py on small blocks: they hold, and they fail for a wrong netlist or a wrong
+"""The proofs of netlists and resets on small blocks: they hold, and they fail for a wrong netlist or a wrong
 reset.
 
 Bugs are planted in the netlist's bits: an inverter before a register or at an operand, an output stuck, a
 reset that is ignored.
 """
 
-import json
 import os
-import subprocess
-import sys
 from dataclasses import replace
 from functools import cache
 
-import equivalence
 import pytest
 
 from meissner.builds import toolchain
-from verify import circuit, netlist_proof, record, reset_proof, two_copies
-
-TOOL = [sys.executable, "tools/equivalence.py"]
+from nightly import circuit, netlist_proof, netlists, reset_proof, two_copies
 
 
 def folder(block):
     """A folder for this process, as others may plant another fault into the same block."""
-    return f"build/equivalence/test_{block}_{os.getpid()}"
+    return f"build/netlists/test_{block}_{os.getpid()}"
 
 
 @cache
@@ -113,40 +107,6 @@ def test_what_yosys_reads_otherwise_is_found(monkeypatch):
     assert "pwm_o" in found[True] and found[False] == []
 
 
-def test_what_is_a_box_is_proven_by_itself():
-    """A proof with inner blocks as boxes depends on their own proofs, so it is not counted without these."""
-    recorded = json.loads((record.FOLDER / "equivalence.json").read_text())
-    entries, stale = recorded["blocks"], record.stale(recorded, "equivalence")
-    current = [(block, family) for block in entries if block not in stale for family in circuit.FAMILIES]
-    boxes = {(box, f) for block, f in current for box in entries[block].get(f, {}).get("around", ())}
-    assert not [(box, f) for box, f in boxes if box in stale or not entries[box][f]["proven"]]
-
-
-def test_a_proof_around_a_block_without_one_is_not_counted(monkeypatch):
-    """cop_array contains cop, which contains cop_divide; each records a digest of what it depends on."""
-    monkeypatch.setattr(record, "digest", lambda name, kind: name)
-    proven = {"proven": True}
-    blocks = {
-        "cop_array": {"of": "cop_array", "ecp5": proven | {"around": ["cop"]}, "ice40": proven},
-        "cop": {"of": "cop", "ecp5": proven | {"around": ["cop_divide"]}, "ice40": proven},
-        "cop_divide": {"of": "cop_divide", "ecp5": proven, "ice40": {"proven": False}},
-        "skid": {"of": "skid", "ecp5": proven, "ice40": proven | {"around": ["cop_divide"]}},
-    }
-
-    def stale(**changes):
-        return record.stale({"blocks": {k: v for k, v in (blocks | changes).items() if v}}, "equivalence")
-
-    assert stale() == ["skid"], "cop_divide is proven of one family only"
-    assert stale(skid=None) == []
-    assert stale(skid=None, cop=None) == ["cop_array"]
-    assert stale(skid=None, cop_divide=None) == ["cop_array", "cop"], "what is around what is around it, too"
-    assert stale(skid=None, cop_divide=blocks["cop_divide"] | {"of": "before"}) == [
-        "cop_array",
-        "cop",
-        "cop_divide",
-    ]
-
-
 def test_reset_that_is_not_heard_is_found():
     source = bits("skid")["source"]
     reset = source.inputs["rst_i", 0]
@@ -167,30 +127,25 @@ def test_payload_counts_only_while_it_is_valid():
     assert reset_proof.prove(source, task) == ["out_data_o"]
 
 
-def test_resets_hold_with_what_is_taken_for_granted():
-    blocks = ["delay", "multiply", "adc_store", "uart_rx"]
-    done = subprocess.run([*TOOL, "-k", "reset", *blocks], cwd=toolchain.ROOT, capture_output=True, text=True)
-    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "4 of 4 proven"), done.stdout
+@pytest.mark.parametrize("block", ["delay", "multiply", "adc_store", "uart_rx"])
+def test_resets_hold_with_what_is_taken_for_granted(block):
+    chosen = netlists.parameters(block, "size", "reset_size")
+    assert netlists.prove_reset(block, chosen)["reset"]["proven"]
 
 
 def test_a_reset_fails_without_what_is_taken_for_granted():
     """A frame that begins in the same clock as a word shows a code from before the reset."""
-    [chosen] = equivalence.parameters(["adc_store"], "size").values()
+    chosen = netlists.parameters("adc_store", "size")
     source = circuit.synthesise("adc_store", chosen, folder("adc_store"), ())["source"]
     assert "out_data_o" in reset_proof.prove(source)
 
 
 def test_a_state_while_a_bit_is_0_is_a_condition():
     """Whether msn_adc_spi drops a frame is defined while it reads, except in the first clock of reading."""
-    [chosen] = equivalence.parameters(["adc_spi"], "size").values()
+    chosen = netlists.parameters("adc_spi", "size")
     source = circuit.synthesise("adc_spi", chosen, folder("adc_spi"), ())["source"]
-    task = equivalence.task_of("adc_spi")
+    task = netlists.task_of("adc_spi")
     assert reset_proof.prove(source, task) == []
     assert "dropped_o" in reset_proof.prove(source, replace(task, joined=()))
     with pytest.raises(ValueError, match="nothing of the state is called nosuch"):
         two_copies.conditions(source, [("nosuch", "!convert_o")])
-
-
-def test_refuses_an_unknown_block():
-    done = subprocess.run([*TOOL, "nosuch"], cwd=toolchain.ROOT, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (2, "equivalence: rtl/rtl.f has no block nosuch\n")

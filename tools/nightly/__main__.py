@@ -11,6 +11,7 @@ was not enough for all; the page names what was not reached.
 """
 
 import argparse
+import contextlib
 import json
 import os
 import queue
@@ -82,13 +83,13 @@ def start(check, jobs):
     with stem.with_suffix(".log").open("w") as log:
         check.process = subprocess.Popen(
             [*command, "--out", str(stem.with_suffix(".out"))],
+            env=os.environ | {"PYTHONPATH": str(toolchain.ROOT / "tools")},
             cwd=toolchain.ROOT, stdout=log, stderr=subprocess.STDOUT, start_new_session=True,
         )  # fmt: skip
         _, _, used = os.wait4(check.process.pid, 0)
     check.seconds, check.cpu_s = time.monotonic() - began, used.ru_utime + used.ru_stime
-    out = stem.with_suffix(".out")
-    where = stem.with_suffix(".log").relative_to(toolchain.ROOT)
-    crashed = {"text": "", "broken": [f"ended without a result; see {where}"]}
+    check.process, out = None, stem.with_suffix(".out")
+    crashed = {"text": "", "broken": [f"ended without a result; see {stem.name}.log"]}
     return json.loads(out.read_text()) if out.exists() else crashed
 
 
@@ -131,8 +132,9 @@ def run(checks, jobs, seconds, told):
     if any(worker.is_alive() for worker in workers):
         late.set()
         for check in checks:
-            if check.process and check.facts is None and check.process.poll() is None:
-                os.killpg(check.process.pid, signal.SIGKILL)
+            if process := check.process:
+                with contextlib.suppress(ProcessLookupError):  # it has just ended
+                    os.killpg(process.pid, signal.SIGKILL)
         for worker in workers:
             worker.join()
 

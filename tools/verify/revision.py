@@ -40,10 +40,10 @@ CHECK = re.compile(
 BENCH = ("mutants", "coverage", "powerup", "faults", "regress")  # kinds that run a block's tests
 TRUST = "tools/verify"
 OWN = {  # files of a kind that affect its results for every block
-    "faults": (f"tools/nightly/faults_driver.cpp", "model/meissner/engines/adc_parts.hpp"),
+    "faults": ("tools/nightly/faults_driver.cpp", "model/meissner/engines/adc_parts.hpp"),
     "equivalence": (
-        *(f"tools/nightly/leaves.v", f"{TRUST}/leaves_map.v"),
-        *(f"tools/nightly/carry_map.v", f"{TRUST}/defined_map.v"),
+        *("tools/nightly/leaves.v", f"{TRUST}/leaves_map.v"),
+        *("tools/nightly/carry_map.v", f"{TRUST}/defined_map.v"),
     ),
 }
 
