@@ -24,11 +24,12 @@ from meissner.builds import config as configurations
 from meissner.builds.bitstream import AREA, LIMIT_S, OUT, build, label, private
 from meissner.builds.yowasp import ROOT, ToolError, warm_up
 from meissner.twins.frontend.adc_spi import AdcSpi
+from nightly.limits import Limits
 from verify import revision
 
 RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)
-GROWTH = 0.03
+GROWTH = Limits().growth()  # of tb/limits.toml
 PAGE = ROOT / "docs/boards.md"
 
 
