@@ -18,7 +18,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
-.PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
+.PHONY: nightly powerup fuzz extremes regress test-icarus
 
 help:  ## print this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -70,9 +70,6 @@ test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes
 test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link tb/actuate
 
-faults: $(SIM)  ## inject faults into every block and record their effects: docs/trust/faults.json, docs/faults.md
-	@$(BIN)/python tools/faults.py --record $(BLOCKS)
-
 fuzz: $(SIM)  ## give a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
 	@$(BIN)/python tools/fuzz.py --record $(FUZZ)
 
@@ -85,9 +82,6 @@ regress: $(SIM)  ## test blocks in SEEDS=N random sizes with random stimulus [RE
 
 lint: $(SIM)  ## run Verilator -Wall and slang on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/make/lint.py
-
-coverage: $(SIM)  ## measure coverage of the RTL and its twins: docs/trust/coverage.json [BLOCKS="haar slip"]
-	@$(BIN)/python tools/cover.py --record --jobs $(JOBS) $(BLOCKS)
 
 powerup: $(SIM)  ## power up each block twenty times with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
 	@$(BIN)/python tools/powerup.py --record --jobs $(JOBS) $(BLOCKS)
@@ -116,23 +110,8 @@ fmax: $(SYNTH)  ## measure Fmax and area of blocks, worst of three seeds: build/
 figures: $(SYNTH)  ## measure the figures of a version: docs/results.md and the pages of results [FIGURES="cop_slip"]
 	@$(BIN)/python tools/make/figures.py $(FIGURES)
 
-formal: $(FORMAL)  ## prove the blocks by k-induction, with two solvers each: docs/trust/formal.json
-	@$(BIN)/python tools/formal.py --record --jobs $(JOBS) $(BLOCKS)
-
-formal-mutants: $(FORMAL)  ## check that proofs fail for broken blocks, 50 mutants each [BLOCKS=...]
-	@$(BIN)/python tools/formal.py --mutants 50 --record --jobs $(JOBS) $(BLOCKS)
-
-equivalence: $(SYNTH)  ## prove every block's netlist and reset equal to its source: docs/trust/equivalence.json
-	@$(BIN)/python tools/equivalence.py --record --jobs $(JOBS) $(BLOCKS)
-
-mutants: $(SYNTH)  ## test mutants of every block with the block's own tests: docs/mutants.md [BLOCKS="haar slip"]
-	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(BLOCKS)
-
-mutants-quick: $(SYNTH)  ## test a few mutants of a few quick blocks, and that the tool can fail; also in make test
-	@$(BIN)/python -m pytest -n $(JOBS) tb/verify/test_mutants.py
-
-trust: $(FORMAL)  ## collect all evidence again, which takes hours: docs/trust.md, README's line [TRUST=--due]
-	@$(BIN)/python tools/trust.py --jobs $(JOBS) $(TRUST)
+nightly: $(FORMAL)  ## proofs, netlists, faults, mutants, coverage, boards against tb/limits.toml [KINDS= BLOCKS= SINCE=HEAD~1]
+	@PYTHONPATH=tools $(BIN)/python -m nightly $(BLOCKS) --jobs $(JOBS) $(if $(KINDS),--kinds $(KINDS)) $(if $(SINCE),--since $(SINCE)) $(if $(MINUTES),--minutes $(MINUTES))
 
 clean:  ## remove build/ (the environment in .venv stays; remove it by hand)
 	rm -rf build

@@ -17,6 +17,7 @@ error if no seed meets the clock, if a design does not fit, and in a check if an
 import argparse
 import sys
 import time
+import tomllib
 
 from meissner.builds import boards
 from meissner.builds import config as configurations
@@ -28,7 +29,7 @@ from meissner.twins.frontend.adc_spi import AdcSpi
 from version import record
 
 SEEDS = (1, 2, 3)
-GROWTH = 0.03
+GROWTH = tomllib.loads((ROOT / "tb/limits.toml").read_text("utf-8"))["boards"]["growth"]
 
 
 def compare(name, before, now):
