@@ -2,7 +2,6 @@
 
 import ast
 import re
-from itertools import pairwise
 
 import pytest
 
@@ -78,9 +77,3 @@ def test_twins_compute_in_integers():
             for name in names:
                 top = name.split(".")[0]
                 assert top in known or name.startswith("meissner.twins"), f"{path.name}: {name}"
-
-
-def test_the_page_has_the_layers_in_order():
-    page = (ROOT / "docs/structure.md").read_text("utf-8")
-    places = [page.index(f"| `{name}`") for name in structure.LAYERS]
-    assert all(a < b for a, b in pairwise(places))

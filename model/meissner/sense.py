@@ -3,7 +3,7 @@
 Each class has ``process(x)``, which starts from reset, and ``next(x)``, which continues the last call:
 ``process(x)`` equals the results of ``next`` over any pieces of ``x``. The numbers are bit-exact with the RTL
 (meissner.twins); meissner.engines runs the same on the RTL itself. Results are named as in the files of
-``meissner process``; docs/decisions.md lists what each class adds.
+``meissner process``; docs/decisions/host.md lists what each class adds.
 
 Input that the core cannot take raises ValueError, an argument of the wrong class TypeError, each with one
 sentence. Floats are refused even if they are whole, since volts are a common mistake.

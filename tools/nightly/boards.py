@@ -1,5 +1,5 @@
-"""Boards: each board is built with each named configuration; cells and Fmax (the worst of three seeds) are
-compared with constraints/resources.json by `tools/synth.py --check`."""
+"""Boards: each board is built with each named configuration; cells and Fmax (worst of three seeds) are
+compared with constraints/resources.json by `tools/make/synth.py --check`."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ def blocks():
 
 def run(pair, limits, jobs=1):
     """The facts of a pair."""
-    command = [sys.executable, "tools/synth.py", "--check", *pair.split("-", 1)]
+    command = [sys.executable, "tools/make/synth.py", "--check", *pair.split("-", 1)]
     done = subprocess.run(command, cwd=toolchain.ROOT, capture_output=True, text=True)
     said = done.stdout.strip().splitlines()
     broken = done.stderr.strip().splitlines() if done.returncode else []

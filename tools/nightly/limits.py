@@ -43,7 +43,3 @@ class Limits:
             (row["block"], row["register"]) == (block, register) and str(row["bit"]) in ("any", bit)
             for row in self.table["faults"]["undetected"]
         )
-
-    def growth(self):
-        """How much larger or slower than constraints/resources.json a board may be."""
-        return self.table["boards"]["growth"]
