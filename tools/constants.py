@@ -19,8 +19,8 @@ from meissner.builds import toolchain
 from meissner.engines import fixed
 from meissner.physics import rubber
 from meissner.scenes.grip.run import judge as judge_held
-from meissner.scenes.rates import rates
 from meissner.scenes.rubber.judge import judge
+from meissner.scenes.slip_rates import rates
 from meissner.tradeoff.changes import CHANGES, HELD_CHANGES, changed
 
 PAGE = toolchain.ROOT / "docs/constants.md"

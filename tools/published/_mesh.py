@@ -8,8 +8,8 @@ from meissner import scenes
 from meissner.budget import cop4
 from meissner.physics import mesh_loads
 from meissner.physics.mesh import Mesh
-from meissner.scenes.locus import circle
 from meissner.scenes.mesh import run as mesh_run
+from meissner.scenes.mesh.run import circle
 from mesh_figures import errors
 from published import Row, Table
 from published._parts import EXACT, NONE, figure, label, owes, percent, save, signed
