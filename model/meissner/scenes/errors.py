@@ -1,4 +1,4 @@
-"""Errors of a centre of pressure and a load compared with the true forces."""
+"""Errors of a centre of pressure, a load and an image compared with the true forces."""
 
 import numpy as np
 
@@ -28,3 +28,9 @@ def percent(error):
     if error is None:
         return "none"
     return f"{100 * error['mean']:.3g} % in the mean, {100 * error['maximum']:.3g} % at most"
+
+
+def unevenness(image, dead=None):
+    """Largest deviation of a cell from the mean of all, as a share of the mean; ``image`` [rows, columns]."""
+    values = image if dead is None else image[~dead]
+    return float(np.abs(values - values.mean()).max() / values.mean())
