@@ -4,37 +4,30 @@
 //
 //   offset = row's + column's    gain = row's * column's, exact, 32 bits
 //
-// A write goes to the bank that is not in use; cfg_swap_i exchanges the two before the next frame's first
-// beat, never inside a frame. cfg_word_i is a beat of a row, written for every lane set in cfg_write_i, or, with
-// cfg_write_row_i, a row. Before the first swap out_loaded_o is low. Offsets are signed, gains unsigned.
+// A write goes to the bank that is not in use; swap exchanges the two before the next frame's first beat, never
+// inside a frame. A word is a beat of a row, written for every lane set in write_lanes, or, with write_row, a row. Before the first swap out_loaded_o is low. Offsets are signed, gains unsigned.
 //
 //   clock  1        2     3, 4      5 .. 6
 //          address  read  register  product, sum
 //
 // The words follow take_i by 6 clocks, a beat a clock. No stage stalls, so none needs a clock enable, and the
-// memories' slow outputs have a full clock.   Model: model/meissner/twins/frontend/calibration_grid.py
+// memories' slow outputs have a full clock.   Model: model/meissner/twins/frontend/calibrate.py
 // Error: none (docs/extremes.md).
 
-module msn_calibration_grid #(
+module msn_grid_table #(
   parameter  int unsigned Rows       = 1024,
   parameter  int unsigned Columns    = 1024,
   parameter  int unsigned Lanes      = 8,
   parameter  int unsigned SampleBits = 17,
   parameter  bit          Offset     = 1'b1,
   localparam int unsigned RowBeats   = (Columns + Lanes - 1) / Lanes,
-  localparam int unsigned WordBits   = msn_pkg::index_width(Rows > RowBeats ? Rows : RowBeats),
   localparam int unsigned OffsetBits = SampleBits - 1  // so that the sum of two has SampleBits
 ) (
   input  logic                        clk_i,
   input  logic                        rst_i,
 
-  input  logic [Lanes-1:0]            cfg_write_i,
-  input  logic                        cfg_write_row_i,
-  input  logic [WordBits-1:0]         cfg_word_i,
-  input  logic [OffsetBits-1:0]       cfg_offset_i,
-  input  logic [15:0]                 cfg_gain_i,
-  input  logic                        cfg_swap_i,
-  output logic                        cfg_swapping_o, // requested, not done yet
+  input  msn_registers_pkg::calibrate_cfg_t    cfg_i,
+  output msn_registers_pkg::calibrate_status_t status_o,     // swapping: requested, not done yet
 
   input  logic                        take_i,         // a beat
   input  logic                        fits_i,         // with it: its marks, of msn_frame_marker
@@ -46,16 +39,16 @@ module msn_calibration_grid #(
 );
 
   if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
-    $fatal(1, "msn_calibration_grid: Rows = %0d must lie in 1 .. 1024", Rows);
+    $fatal(1, "msn_grid_table: Rows = %0d must lie in 1 .. 1024", Rows);
   end
   if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
-    $fatal(1, "msn_calibration_grid: Columns = %0d must lie in 1 .. 1024", Columns);
+    $fatal(1, "msn_grid_table: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_calibration_grid: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_grid_table: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
   if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
-    $fatal(1, "msn_calibration_grid: SampleBits = %0d must lie in 2 .. 18", SampleBits);
+    $fatal(1, "msn_grid_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
   end
 
   localparam int unsigned RowBits  = msn_pkg::index_width(Rows);
@@ -66,9 +59,13 @@ module msn_calibration_grid #(
   // last: what comes next is at place 0 either way.
   logic [BeatBits-1:0] beat;
   logic [RowBits-1:0]  row;
-  logic                bank, midway, swap, restart;
-  assign restart = last_i || !fits_i;
-  assign swap    = cfg_swapping_o && !midway;
+  logic                bank, midway, swap, restart, swapping, write_row;
+  logic [Lanes-1:0]    write;
+  assign status_o  = swapping;
+  assign write_row = cfg_i.write_written && cfg_i.write_row;
+  assign write     = (cfg_i.write_written && !cfg_i.write_row) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign restart   = last_i || !fits_i;
+  assign swap      = swapping && !midway;
 
   logic [5:1]        loaded;
   logic [RowBits:0]  row_at;
@@ -80,30 +77,32 @@ module msn_calibration_grid #(
       row    <= restart ? '0 : row + RowBits'(row_last_i);
     end
     bank           <= bank ^ swap;
-    cfg_swapping_o <= cfg_swap_i || (cfg_swapping_o && !swap);
+    swapping       <= cfg_i.swap || (swapping && !swap);
     row_at         <= {bank ^ swap, row};
     beat_at        <= {bank ^ swap, beat};
     loaded         <= {loaded[4:1], loaded[1] || swap};
     out_loaded_o   <= loaded[5];
     if (rst_i) begin
-      {beat, row, midway, bank, cfg_swapping_o} <= '0;
+      {beat, row, midway, bank, swapping} <= '0;
       loaded <= '0;
     end
   end
 
-  logic [PartBits-1:0] entry;
+  logic [PartBits-1:0]   entry;
+  logic [OffsetBits-1:0] entry_offset;
+  assign entry_offset = OffsetBits'(signed'(cfg_i.offset));
   if (Offset) begin : gen_entry
-    assign entry = {cfg_offset_i, cfg_gain_i};
+    assign entry = {entry_offset, cfg_i.gain};
   end else begin : gen_entry_gain
-    logic unused_offset;
-    assign unused_offset = ^cfg_offset_i;
-    assign entry         = cfg_gain_i;
+    assign entry = cfg_i.gain;
   end
+  logic unused_cfg;
+  assign unused_cfg = ^{cfg_i, entry_offset};
 
   (* no_rw_check *) logic [PartBits-1:0] rows [2**(RowBits+1)];
   logic [PartBits-1:0] row_read, row_near, of_row;
   always_ff @(posedge clk_i) begin
-    if (cfg_write_row_i) rows[{!bank, RowBits'(cfg_word_i)}] <= entry;
+    if (write_row) rows[{!bank, RowBits'(cfg_i.word)}] <= entry;
     row_read <= rows[row_at];
     row_near <= row_read;
     of_row   <= row_near;
@@ -122,7 +121,7 @@ module msn_calibration_grid #(
     logic unused_sign;
     assign unused_sign = gain[32];
     always_ff @(posedge clk_i) begin
-      if (cfg_write_i[k]) gains[{!bank, BeatBits'(cfg_word_i)}] <= cfg_gain_i;
+      if (write[k]) gains[{!bank, BeatBits'(cfg_i.word)}] <= cfg_i.gain;
       gain_read   <= gains[beat_at];
       gain_near   <= gain_read;
       gain_column <= gain_near;
@@ -133,7 +132,7 @@ module msn_calibration_grid #(
       logic        [OffsetBits-1:0] offset_read, offset_near;
       logic signed [OffsetBits-1:0] offset_column, column_offset, row_offset;
       always_ff @(posedge clk_i) begin
-        if (cfg_write_i[k]) offsets[{!bank, BeatBits'(cfg_word_i)}] <= cfg_offset_i;
+        if (write[k]) offsets[{!bank, BeatBits'(cfg_i.word)}] <= entry_offset;
         offset_read   <= offsets[beat_at];
         offset_near   <= offset_read;
         offset_column <= signed'(offset_near);
@@ -156,10 +155,10 @@ module msn_calibration_grid #(
     was_reset <= rst_i;
     begun     <= !rst_i && (begun || was_reset);
     if (begun && !rst_i) begin
-      assert (!cfg_write_row_i || row_at[RowBits] == bank)
-      else $fatal(1, "msn_calibration_grid: bank %0d of rows is read and written in one clock", !bank);
-      assert (cfg_write_i == '0 || beat_at[BeatBits] == bank)
-      else $fatal(1, "msn_calibration_grid: bank %0d of columns is read and written in one clock", !bank);
+      assert (!write_row || row_at[RowBits] == bank)
+      else $fatal(1, "msn_grid_table: bank %0d of rows is read and written in one clock", !bank);
+      assert (write == '0 || beat_at[BeatBits] == bank)
+      else $fatal(1, "msn_grid_table: bank %0d of columns is read and written in one clock", !bank);
     end
   end
   // verilator coverage_on

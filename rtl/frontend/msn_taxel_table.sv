@@ -2,14 +2,14 @@
 //
 // Offset and gain of the next beat's taxels, read ahead from two banks: one in use, the other for writes.
 //
-// A write goes to the bank that is not in use; cfg_swap_i exchanges the two before the next frame's first
-// beat, never inside a frame. cfg_word_i is a beat, written for every lane set in cfg_write_i. Before the first
-// swap loaded_o is low. Offsets are signed, gains unsigned.
+// A write goes to the bank that is not in use; swap exchanges the two before the next frame's first beat, never
+// inside a frame. A word is a beat, written for every lane set in write_lanes. Before the first swap out_loaded_o is
+// low. Offsets are signed, gains unsigned.
 //
-// A word a clock; none for 3 clocks after a swap and for 4 after a restart.
-// Model: model/meissner/twins/frontend/calibration_table.py
+// A word a clock; none for 3 clocks after a swap and for 4 after a damaged frame.
+// Model: model/meissner/twins/frontend/calibrate.py
 
-module msn_calibration_table #(
+module msn_taxel_table #(
   parameter  int unsigned Rows       = 64,
   parameter  int unsigned Columns    = 64,
   parameter  int unsigned Lanes      = 1,
@@ -21,54 +21,50 @@ module msn_calibration_table #(
   input  logic                         clk_i,
   input  logic                         rst_i,
 
-  input  logic [Lanes-1:0]             cfg_write_i,
-  input  logic [IdBits-1:0]            cfg_word_i,
-  input  logic [SampleBits-1:0]        cfg_offset_i,
-  input  logic [15:0]                  cfg_gain_i,
-  input  logic                         cfg_swap_i,
-  output logic                         cfg_swapping_o, // requested, not done yet
+  input  msn_registers_pkg::calibrate_cfg_t    cfg_i,
+  output msn_registers_pkg::calibrate_status_t status_o,     // swapping: requested, not done yet
 
   input  logic                         take_i,         // of a beat, only while out_valid_o
-  input  logic                         last_i,         // with it: the frame's last
-  input  logic                         restart_i,      // with it: the frame was damaged
+  input  logic                         last_i,         // with it: the frame's last, as msn_frame_marker gives it
   output logic                         out_valid_o,
   output logic [Lanes*SampleBits-1:0]  out_offset_o,
   output logic [Lanes*16-1:0]          out_gain_o,
-  output logic                         loaded_o
+  output logic                         out_loaded_o
 );
 
   if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
-    $fatal(1, "msn_calibration_table: Rows = %0d must lie in 1 .. 1024", Rows);
+    $fatal(1, "msn_taxel_table: Rows = %0d must lie in 1 .. 1024", Rows);
   end
   if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
-    $fatal(1, "msn_calibration_table: Columns = %0d must lie in 1 .. 1024", Columns);
+    $fatal(1, "msn_taxel_table: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_calibration_table: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_taxel_table: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
   if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
-    $fatal(1, "msn_calibration_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
+    $fatal(1, "msn_taxel_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
   end
 
   // Banks change only between frames. Words read ahead from the old bank are discarded, and no beat is taken
   // until the new bank's first word is valid.
-  logic bank, midway, stale, swap, restart, bank_next, at_end;
-  assign swap      = cfg_swapping_o && !midway;
+  logic bank, midway, stale, swap, restart, bank_next, at_end, swapping;
+  assign status_o  = swapping;
+  assign swap      = swapping && !midway;
   assign restart   = rst_i || stale || swap;
   assign bank_next = bank ^ swap;
 
   always_ff @(posedge clk_i) begin
     if (take_i) midway <= !last_i;
-    stale          <= restart_i || (take_i && last_i && !at_end);  // a clock later: take_i is known late
+    stale          <= take_i && last_i && !at_end;  // of a damaged frame; a clock later: take_i is known late
     bank           <= bank_next;
-    cfg_swapping_o <= cfg_swap_i || (cfg_swapping_o && !swap);
-    loaded_o       <= loaded_o || swap;
+    swapping       <= cfg_i.swap || (swapping && !swap);
+    out_loaded_o   <= out_loaded_o || swap;
     if (rst_i) begin
       midway         <= 1'b0;
       stale          <= 1'b0;
       bank           <= 1'b0;
-      cfg_swapping_o <= 1'b0;
-      loaded_o       <= 1'b0;
+      swapping       <= 1'b0;
+      out_loaded_o   <= 1'b0;
     end
   end
 
@@ -78,19 +74,21 @@ module msn_calibration_table #(
   logic [PartBits-1:0]       entry;
   logic [Lanes*PartBits-1:0] word;
   if (Offset) begin : gen_entry
-    assign entry = {cfg_offset_i, cfg_gain_i};
+    assign entry = {SampleBits'(signed'(cfg_i.offset)), cfg_i.gain};
   end else begin : gen_entry_gain
-    logic unused_offset;
-    assign unused_offset = ^cfg_offset_i;
-    assign entry         = cfg_gain_i;
+    assign entry = cfg_i.gain;
   end
+  logic [Lanes-1:0] write;
+  assign write = (cfg_i.write_written && !cfg_i.write_row) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  logic unused_cfg;
+  assign unused_cfg  = ^cfg_i;
   assign out_valid_o = valid && !swap && !stale;
 
   msn_frame_table #(.Words(Words), .Parts(Lanes), .PartBits(PartBits)) u_beats (
     .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(take_i || !valid),
     .out_valid_o(valid), .out_data_o(word),
     .at_end_o(at_end),
-    .write_i(cfg_write_i), .write_bank_i(!bank), .write_word_i(cfg_word_i), .write_data_i({Lanes{entry}})
+    .write_i(write), .write_bank_i(!bank), .write_word_i(cfg_i.word[IdBits-1:0]), .write_data_i({Lanes{entry}})
   );
 
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
@@ -110,9 +108,9 @@ module msn_calibration_table #(
   initial begun = 1'b0;
   always @(posedge clk_i) if (rst_i) begun <= 1'b1;
   always_ff @(posedge clk_i) begin
-    if (begun && loaded_o && cfg_write_i != '0 && u_beats.advance_i && !rst_i) begin
+    if (begun && out_loaded_o && write != '0 && u_beats.advance_i && !rst_i) begin
       assert (u_beats.address != u_beats.write_address)
-      else $fatal(1, "msn_calibration_table: word %0d is read and written in one clock", u_beats.address);
+      else $fatal(1, "msn_taxel_table: word %0d is read and written in one clock", u_beats.address);
     end
   end
   // verilator coverage_on

@@ -1,6 +1,6 @@
-"""msn_calibration_table against its model: one taxel to rows that do not fill their lanes; words taken with
+"""msn_taxel_table against its model: one taxel to rows that do not fill their lanes; words taken with
 pauses while the other bank is written; swaps in and between frames, at a frame's first and last beat; frames
-cut short, with and without a restart; the clocks without a word; resets in mid-frame."""
+cut short; the clocks without a word; resets in mid-frame."""
 
 import random
 
@@ -9,27 +9,25 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 import bench
-from meissner.twins.frontend.calibration_table import CalibrationTable
+from meissner.twins.frontend.calibrate import TaxelTable
+from members import Settings
 
 
 def twin_of(dut):
     names = ("Rows", "Columns", "Lanes", "SampleBits", "Offset")
-    return CalibrationTable(*(getattr(dut, name).value.to_unsigned() for name in names))
+    return TaxelTable(*(getattr(dut, name).value.to_unsigned() for name in names))
 
 
-async def write_all(dut, twin, draw):
+async def write_all(dut, settings, twin, draw):
     """Fill the bank that is not in use with the ends of the range and random entries."""
-    low, high = bench.width(twin.offset_bits)
-    words = [(w, lane) for w in range(twin._beats.shape[2]) for lane in range(twin.lanes)]
+    low, high = bench.width(min(17, twin.offset_bits))
+    words = [(w, lane) for w in range(twin.beats) for lane in range(twin.lanes)]
     for word, lane in words:
         offset = draw.choice([low, high, draw.randint(low, high)])
         gain = draw.choice([0, 65535, draw.randint(0, 65535)])
-        dut.cfg_word_i.value, dut.cfg_gain_i.value = word, gain
-        dut.cfg_offset_i.value = offset & ((1 << twin.offset_bits) - 1)
-        dut.cfg_write_i.value = 1 << lane
         twin.write(word, offset, gain, lane)
-        await bench.RisingEdge(dut.clk_i)
-    dut.cfg_write_i.value = 0
+        entry = {"word": word, "offset": offset, "gain": gain, "write_lanes": 1 << lane}
+        await settings.pulse(dut.clk_i, write_written=1, **entry)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -37,17 +35,15 @@ async def write_all(dut, twin, draw):
 async def matches_model(dut, pause_rate):
     twin = twin_of(dut)
     draw = random.Random(bench.SEED)
-    quiet = {"cfg_write_i": 0, "cfg_swap_i": 0, "take_i": 0, "restart_i": 0}
-    await bench.start(dut, last_i=0, **quiet)
+    settings = Settings(dut, "calibrate_cfg")
+    await bench.start(dut, last_i=0, take_i=0)
     await FallingEdge(dut.clk_i)
-    assert dut.loaded_o.value == 0
+    assert dut.out_loaded_o.value == 0
     beats, bits = twin.rows * twin.row_beats, len(dut.out_offset_o) // twin.lanes
     for bank in range(2):  # the second swap takes effect with the first frame
-        await write_all(dut, twin, draw)
-        assert dut.loaded_o.value == bank
-        dut.cfg_swap_i.value = 1
-        await bench.RisingEdge(dut.clk_i)
-        dut.cfg_swap_i.value = 0
+        await write_all(dut, settings, twin, draw)
+        assert dut.out_loaded_o.value == bank
+        await settings.pulse(dut.clk_i, swap=1)
         if bank == 0:
             twin.swap()
             await bench.clocks(dut, 2)
@@ -60,12 +56,10 @@ async def matches_model(dut, pause_rate):
         for beat in range(length):
             while True:
                 await FallingEdge(dut.clk_i)
-                dut.cfg_swap_i.value = 0
+                settings.put(swap=0)
                 valid = dut.out_valid_o.value == 1
                 take = valid and draw.random() >= pause_rate
                 dut.take_i.value, dut.last_i.value = int(take), int(take and beat == length - 1)
-                early = take and beat == length - 1 != beats - 1
-                dut.restart_i.value = int(early and draw.random() < 0.5)  # else the block finds it
                 waited += not valid
                 if take:
                     break
@@ -78,11 +72,11 @@ async def matches_model(dut, pause_rate):
                     twin.swap()
                 swapping = False
                 if writer is None and frame % 2:
-                    writer = cocotb.start_soon(write_all(dut, twin, draw))
+                    writer = cocotb.start_soon(write_all(dut, settings, twin, draw))
             else:
                 assert waited == 0
             waited = 0
-            assert dut.loaded_o.value == int(twin.loaded)
+            assert dut.out_loaded_o.value == int(twin.loaded)
             if twin.loaded:  # before that, words of either bank may come
                 offset, gain = (words.reshape(-1, twin.lanes)[beat].tolist() for words in twin.words())
                 assert bench.lane_values(bench.read(dut.out_offset_o), twin.lanes, bits, True) == offset
@@ -91,29 +85,26 @@ async def matches_model(dut, pause_rate):
                 if beat == length // 2:
                     break
             elif (not writer or writer.done()) and draw.random() < 0.3 and not swapping:
-                dut.cfg_swap_i.value = 1  # taken with this beat: it applies to the next frame
+                settings.put(swap=1)  # taken with this beat: it applies to the next frame
                 swapping = True
         if frame % 8 == 5:  # reset with a swap requested
             await bench.RisingEdge(dut.clk_i)
-            dut.take_i.value = dut.restart_i.value = 0
+            dut.take_i.value = 0
             await writer
-            dut.cfg_swap_i.value = 1
-            await bench.RisingEdge(dut.clk_i)
-            dut.cfg_swap_i.value = 0
+            await settings.pulse(dut.clk_i, swap=1)
             await bench.reset(dut)
             twin.reset()
             swapping, length = False, 0
         elif writer:
             await bench.RisingEdge(dut.clk_i)
-            dut.take_i.value = dut.restart_i.value = dut.cfg_swap_i.value = 0
+            dut.take_i.value = 0
+            settings.put(swap=0)
             await writer
         elif draw.random() < 0.5:  # between frames
             await bench.RisingEdge(dut.clk_i)
-            dut.take_i.value = dut.restart_i.value = 0
-            dut.cfg_swap_i.value = int(not swapping)
+            dut.take_i.value = 0
+            await settings.pulse(dut.clk_i, swap=int(not swapping))
             swapping = True
-            await bench.RisingEdge(dut.clk_i)
-            dut.cfg_swap_i.value = 0
 
 
 @bench.applies(bench.whole)
@@ -139,7 +130,7 @@ async def a_reset_selects_the_first_bank(dut):
 EVIDENCE = {
     "reference": {"moves": "words of two banks"},
     "equivalence": {"size": {"Rows": 3}, "defined": True, "open": ["reset"]},
-    "faults": {"size": {"Rows": 3}, "inside": ["calibrate_taxels", "u_table."]},
+    "faults": {"size": {"Rows": 3}, "inside": ["calibrate", "u_table."]},
 }
 
 
@@ -147,14 +138,14 @@ EVIDENCE = {
     "rows, columns, lanes, sample_bits, offset",
     [(1, 1, 1, 17, 1), (3, 5, 2, 17, 1), (4, 4, 1, 18, 0), (5, 19, 8, 17, 1)],
 )
-def test_calibration_table(rows, columns, lanes, sample_bits, offset):
+def test_taxel_table(rows, columns, lanes, sample_bits, offset):
     size = {"Rows": rows, "Columns": columns, "Lanes": lanes}
-    bench.run("frontend", "calibration_table", size | {"SampleBits": sample_bits, "Offset": offset})
+    bench.run("frontend", "taxel_table", size | {"SampleBits": sample_bits, "Offset": offset})
 
 
 def test_refuses_illegal_parameters():
     for name, value in {"Rows": 0, "Columns": 1025, "Lanes": 3, "SampleBits": 19}.items():
-        assert f"{name} = {value}" in bench.refuses("calibration_table", {name: value})
+        assert f"{name} = {value}" in bench.refuses("taxel_table", {name: value})
     for size, message in (
         ((0, 1), "rows = 0"),
         ((1, 1025), "columns = 1025"),
@@ -162,8 +153,8 @@ def test_refuses_illegal_parameters():
         ((1, 1, 1, 19), "sample_bits = 19"),
     ):
         with pytest.raises(ValueError, match=message):
-            CalibrationTable(*size)
+            TaxelTable(*size)
     with pytest.raises(ValueError, match="offset = 65536"):
-        CalibrationTable(1, 1).write(0, 65536, 1)
+        TaxelTable(1, 1).write(0, 65536, 1)
     with pytest.raises(ValueError, match="gain = 65536"):
-        CalibrationTable(1, 1).write(0, 0, 65536)
+        TaxelTable(1, 1).write(0, 0, 65536)
