@@ -1,7 +1,6 @@
 """Builds that `make test` leaves to `make test-long`, while it runs other builds of the same blocks. Coverage
 counts these builds too. Long tests of the tools that make evidence are listed with them."""
 
-import gc
 import os
 from pathlib import Path
 
@@ -11,14 +10,10 @@ os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.tool
 # Each worker is a process: extra BLAS threads for small matrices wait for each other and double the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
-import ahead
-import bodies
-import drawing
-import together
-import units
+from harness import applicable, compile_models, drawing, shared_builds
 from meissner.engines import verilated
 
-verilated.compiled = units.without_make
+verilated.compiled = compile_models.without_make
 
 BIG = [
     "tb/boards/test_rows.py::test_rows[16-3]",
@@ -123,7 +118,7 @@ def left_alone(items):
     """Files of ``items`` none of whose builds `make test` runs."""
     builds = {}
     for item in items:
-        if together.calls_run(item.function):
+        if shared_builds.calls_run(item.function):
             left = item.get_closest_marker("long") or item.get_closest_marker("big")
             builds.setdefault(item.nodeid.split("::")[0], []).append(not left)
     return sorted(name for name, runs in builds.items() if not any(runs))
@@ -143,23 +138,14 @@ def undrawn(monkeypatch):
 
 
 def pytest_configure(config):
-    ahead.of_session(config)
     # Icarus cannot run every build; powerup.py and benches.py do not run every test.
     judges = os.environ.get("MEISSNER_SIM", "verilator") == "verilator"
     judges = judges and not {"MEISSNER_POWERUP", "MEISSNER_RUNS"} & os.environ.keys()
-    config.pluginmanager.register(bodies.Watch(config, Path(__file__).parent, judges))
+    config.pluginmanager.register(applicable.Watch(config, Path(__file__).parent, judges))
 
 
 def pytest_collection_finish(session):
-    together.of_session[:] = session.items
-    # What was collected stays: looking through it for garbage would take a thirtieth of the tests' time.
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(100_000, 20, 20)
-
-
-def pytest_unconfigure():
-    gc.unfreeze()  # pyslang reports what exists after the last collection as leaks, on a hundred lines
+    shared_builds.of_session[:] = session.items
 
 
 def pytest_collection_modifyitems(items):

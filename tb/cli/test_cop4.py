@@ -87,68 +87,6 @@ MISTAKES = {
     "unknown key": ("gain", "gain = 0.3\ngian = 0.3", "[converter]: unknown key 'gian'"),
     "no TOML": ("gain", "gain = = 3", "c.toml is not a TOML file"),
 }
-BAD = {
-    "flat": (cop4("flat.npy"), "must have the shape [samples, 4], not (100,)"),
-    "turned": (cop4("turned.npy"), "must have the shape [samples, 4], not (4, 6)"),
-    "five": (cop4("five.csv"), "must have the shape [samples, 4], not (2, 5)"),
-    "none": (cop4("none.npy"), "must have the shape"),
-    "NaN": (cop4("nan.npy"), "NaN"),
-    "volts": (cop4("half.npy"), "not integers"),
-    "complex": (cop4("complex.npy"), "must be integers, not complex128"),
-    "range": (
-        cop4("wide.npy"),
-        "the codes lie in -8388609 .. 0, outside -8388608 .. 8388607 of 24 bits",
-    ),
-    "engine": (cop4("in.npy", "--engine", "warp"), "unknown engine 'warp'"),
-    "no input": (cop4("nowhere.npy"), "there is no file nowhere.npy"),
-    "no folder": (cop4(out="no/out.npz"), "there is no folder no"),
-    "no file": (cop4(config="nowhere.toml"), "there is no file nowhere.toml"),
-    "a table too few": (cop4(config="short.toml"), "short.toml: the key 'load' is missing"),
-    "a binary file": (cop4(config="in.npy"), "in.npy is not a TOML file"),
-    "waves of a slip": (
-        ("run", "cop_slip", "--waves", "--out", "results"),
-        "--waves requires --engine rtl",
-    ),
-    "engine of a slip": (
-        ("run", "cop_slip", "--engine", "warp", "--out", "results"),
-        "unknown engine 'warp'",
-    ),
-    "no config": (("process", "cop4", "in.npy", "--out", "out.npz"), "required: --config"),
-}
-
-
-def refused(tmp_path, arguments, sentence):
-    before = sorted(tmp_path.iterdir())
-    done = meissner(*arguments, cwd=tmp_path)
-    assert done.returncode == 2
-    assert sentence in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert done.stdout == ""
-    assert sorted(tmp_path.iterdir()) == before
-
-
-@pytest.mark.parametrize("case", BAD)
-def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, codes, case):
-    (tmp_path / "short.toml").write_text("[mesh]\n[converter]\n")
-    (tmp_path / "five.csv").write_text("1,2,3,4,5\n" * 2)
-    for name, x in {
-        "flat": np.zeros(100, int),
-        "turned": codes.T[:, :6],
-        "none": np.zeros((0, 4), int),
-        "nan": np.full((1, 4), np.nan),
-        "half": np.full((1, 4), 0.5),
-        "complex": np.zeros((1, 4), complex),
-        "wide": np.array([[0, 0, 0, -(1 << 23) - 1]]),
-    }.items():
-        np.save(tmp_path / f"{name}.npy", x)
-    refused(tmp_path, *BAD[case])
-
-
-@pytest.mark.parametrize("case", ["rows", "r negative", "V0 beyond the range", "no TOML"])
-def test_the_command_says_what_is_wrong_in_its_file(tmp_path, codes, case):
-    key, value, sentence = MISTAKES[case]
-    (tmp_path / "c.toml").write_text(spoiled(key, value))
-    refused(tmp_path, cop4(), sentence)
 
 
 @pytest.mark.parametrize("case", MISTAKES)
@@ -159,13 +97,6 @@ def test_every_mistake_in_the_file_gets_its_sentence(tmp_path, case):
     with pytest.raises(ValueError) as caught:
         cop4_file.load(path)
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_the_example_has_every_key_once():
-    tables = tomllib.loads(EXAMPLE)
-    assert set(tables) == {"mesh", "converter", "load"}
-    for key in {key for table in tables.values() for key in table}:
-        assert len([line for line in EXAMPLE.splitlines() if line.startswith(f"{key} = ")]) == 1
 
 
 def test_every_value_of_the_file_arrives_in_its_place(tmp_path):
@@ -199,18 +130,3 @@ def test_a_builds_configuration_is_taken_too(tmp_path, codes):
         found.append(np.load(tmp_path / "out.npz"))
     for other in found[1:]:
         assert all(np.array_equal(found[0][name], other[name]) for name in ("x", "y", "load", "valid"))
-
-
-@pytest.mark.parametrize(
-    "name, sentence",
-    [
-        ("fingertip", "fingertip: [sensor]: kind = 'array' must be 'electrodes' for `meissner process cop4`"),
-        ("nothing", "there is no file nothing"),
-        ("half.toml", "half.toml: the key 'sensor' is missing"),
-    ],
-)
-def test_another_builds_configuration_is_refused(tmp_path, codes, name, sentence):
-    (tmp_path / "half.toml").write_text('about = "half"\n[clock]\nmhz = 25.0\n')
-    done = meissner(*cop4(config=name), cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert sentence.split(": ")[-1] in done.stderr and len(done.stderr.splitlines()) == 1

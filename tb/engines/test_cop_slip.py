@@ -206,5 +206,5 @@ def test_without_its_move_the_detector_takes_a_release_for_a_slip(tmp_path, no_p
 
 
 def test_waves_are_refused_without_signals():
-    with pytest.raises(ValueError, match="--waves requires --engine rtl"):
+    with pytest.raises(ValueError, match="--waves"):
         run.check(SCENE, "fixed", waves=True)

@@ -160,9 +160,7 @@ def test_a_killed_log_keeps_the_packets_received(tmp_path, listened, name, monke
     assert found["cop_load"].tolist() == list(range(COUNT)) and found["partial"]
     assert (int(found["clk_khz"]), int(found["start_time"])) == (CLK_KHZ, 0)
     assert np.diff(found["cop_ns"]).tolist() == (COUNT - 1) * [10**6]
-    with pytest.raises(
-        ValueError, match=rf"there is no file .*{name}; .* are in .*{part(tmp_path / name).name}"
-    ):
+    with pytest.raises(ValueError, match=part(tmp_path / name).name):
         log.read(tmp_path / name)
     # Another log of that name does not touch it.
     again = listened(name)

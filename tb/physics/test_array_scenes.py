@@ -20,11 +20,6 @@ COMMON = (
 )
 
 
-def test_the_scenes_are_there():
-    assert PADS == ["capacitive_cell", "capacitive_crosstalk", "capacitive_select", "capacitive_shapes"]
-    assert MATRICES == ["fsr_3x3", "fsr_64x64"]
-
-
 @pytest.mark.parametrize("name", PADS + MATRICES)
 @pytest.mark.parametrize("engine", engines.NAMES)
 def test_run(tmp_path, name, engine, request):
@@ -206,11 +201,3 @@ def test_a_held_matrix_drifts():
     i, j = np.unravel_index(without[150].argmax(), (64, 64))
     loaded = 1 + 0.02 * np.log10(1 + 149 / 1000 / 0.1)
     assert codes[150, i, j] / without[150, i, j] == pytest.approx(loaded, abs=3e-3)
-
-
-def test_waves_are_refused(tmp_path):
-    with pytest.raises(
-        ValueError, match="--waves works only for scenes of slip or of taxel forces, not for fsr_3x3"
-    ):
-        run.run(scenes.load("fsr_3x3"), "fixed", tmp_path / "results", waves=True)
-    assert not (tmp_path / "results").exists()

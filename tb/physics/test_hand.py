@@ -475,7 +475,7 @@ def test_the_grip_after_a_tug_is_beside_its_peak():
 def test_every_engine_runs_it_and_signals_are_refused_in_a_sentence(tmp_path):
     scene = scenes.load("grip_pour")
     assert set(hand_run.PARTS) == set(names.EVERY)
-    with pytest.raises(ValueError, match="unknown engine 'spice'; the engines are"):
+    with pytest.raises(ValueError, match="spice"):
         runs.run(scene, "spice", tmp_path)
     with pytest.raises(ValueError, match="--waves"):
         runs.run(scene, "fixed", tmp_path, waves=True)

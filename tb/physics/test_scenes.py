@@ -237,7 +237,7 @@ def test_the_integer_threshold_decides_as_the_real_one(part, level):
 
 
 def test_an_unknown_scene_or_condition_gets_one_sentence():
-    with pytest.raises(ValueError, match="unknown scene 'acrylic'; the scenes are: acrylic_slip, "):
+    with pytest.raises(ValueError, match="'acrylic'"):
         scenes.load("acrylic")
-    with pytest.raises(ValueError, match="has no condition '9 N'; it has: acrylic 2 N"):
+    with pytest.raises(ValueError, match="'9 N'"):
         scenes.simulate(scenes.load("acrylic_slip"), "9 N")

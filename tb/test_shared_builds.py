@@ -13,7 +13,7 @@ from verify import benches
 HERE = Path(__file__).parent
 
 CONFTEST = """
-import together
+from harness import shared_builds
 def pytest_collection_finish(session):
     together.of_session[:] = session.items
 """
