@@ -15,7 +15,7 @@ HERE = Path(__file__).parent
 CONFTEST = """
 from harness import shared_builds
 def pytest_collection_finish(session):
-    together.of_session[:] = session.items
+    shared_builds.of_session[:] = session.items
 """
 FILE = """
 import os
