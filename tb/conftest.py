@@ -10,10 +10,7 @@ os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.tool
 # Each worker is a process: extra BLAS threads for small matrices wait for each other and double the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
-from harness import applicable, compile_models, drawing, shared_builds
-from meissner.engines import verilated
-
-verilated.compiled = compile_models.without_make
+from harness import applicable, drawing, shared_builds
 
 BIG = [
     "tb/boards/test_rows.py::test_rows[16-3]",

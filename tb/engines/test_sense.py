@@ -220,5 +220,3 @@ def test_refused_samples_leave_the_state_and_empty_ones_are_taken():
     assert slip.next([]).p2p.shape == slip.next([], []).state.shape == (1, 0)
     found = slip.next(SAMPLES[5:])
     assert (found.p2p.tolist(), found.window_end.tolist()) == ([P2P[2:]], [7, 11])
-
-
