@@ -122,15 +122,8 @@ def left_alone(items):
 
 
 @pytest.fixture
-def no_pictures(monkeypatch):
-    """Pictures are made but not rendered, which takes most of a short run's time: for tests of other results.
-    The same pictures are rendered by another test."""
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", drawing.empty)
-
-
-@pytest.fixture
 def undrawn(monkeypatch):
-    """Pictures are not made: for tests of numbers. Another test makes them from the same numbers."""
+    """Pictures are not rendered: for tests of numbers. Another test renders them."""
     drawing.off(monkeypatch)
 
 

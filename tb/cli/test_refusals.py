@@ -99,7 +99,8 @@ oracle: replay empty.mcap --engine oracle
 other.npz: replay other.npz
 press.npz: replay press.npz --out out.txt
 image: replay good.npz
-rows: budget --rows 0; budget --cop4 --rows 0; choose channels --rows 3; choose electrodes --rows 3 --columns 4
+rows: budget --rows 0; budget --cop4 --rows 0; choose channels --rows 3
+columns: choose electrodes --rows 3 --columns 4
 settle: budget --settle-us nan; budget --settle-us -1; budget --settle-us 2000
 adc: budget --adc abacus; choose channels --adc AD1; choose electrodes --adc MCP3208
 converters: budget --converters 3

@@ -285,7 +285,7 @@ def test_the_seed_draws_the_converter_s_noise():
     assert 0 < np.abs(one - other).max() < 20
 
 
-def test_every_difference_from_the_twin_counts(tmp_path, no_pictures, monkeypatch):
+def test_every_difference_from_the_twin_counts(tmp_path, undrawn, monkeypatch):
     module = engines.load("rtl")
     right = module.cop4
 

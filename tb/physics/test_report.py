@@ -191,7 +191,7 @@ HOLDERS |= {"world_ms_per_s", "everything_ms_per_s", "count", "rate", "low", "hi
 
 
 @pytest.mark.parametrize("name", scenes.names())
-def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, no_pictures, name):
+def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, undrawn, name):
     """The page does not depend on a picture's content."""
     scene = scenes.load(name)
     text, summary = written(scene, tmp_path)
