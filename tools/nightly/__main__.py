@@ -79,11 +79,12 @@ def start(check, jobs):
     stem = FOLDER / f"{check.kind}-{check.block.replace('/', '-')}"
     stem.with_suffix(".out").unlink(missing_ok=True)
     command = [sys.executable, "-m", "nightly", "--one", check.kind, check.block, "--jobs", str(jobs)]
+    paths = [str(toolchain.ROOT / "tools"), *filter(None, [os.environ.get("PYTHONPATH")])]
     began = time.monotonic()
     with stem.with_suffix(".log").open("w") as log:
         check.process = subprocess.Popen(
             [*command, "--out", str(stem.with_suffix(".out"))],
-            env=os.environ | {"PYTHONPATH": str(toolchain.ROOT / "tools")},
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
             cwd=toolchain.ROOT, stdout=log, stderr=subprocess.STDOUT, start_new_session=True,
         )  # fmt: skip
         _, _, used = os.wait4(check.process.pid, 0)

@@ -1,4 +1,4 @@
-"""Boards: each board is built with each named configuration; cells and Fmax (the worst of three seeds) are
+"""Boards: each board is built with each named configuration; cells and Fmax (worst of three seeds) are
 compared with constraints/resources.json by `tools/make/synth.py --check`."""
 
 import subprocess

@@ -18,7 +18,7 @@ th, td { border-bottom: 1px solid var(--line); padding: .3rem .7rem .3rem 0; }
 th, td { text-align: left; vertical-align: top; }
 td.number, th.number { text-align: right; }
 .bad { color: var(--bad); } .good { color: var(--good); } .late { color: var(--late); }
-li, td { overflow-wrap: anywhere; } ul { padding-left: 1.2rem; } code { font-size: .9em; }
+li, .blocks td { overflow-wrap: anywhere; } ul { padding-left: 1.2rem; } code { font-size: .9em; }
 small { opacity: .75; }
 @media (max-width: 45rem) {
   .blocks thead { display: none; }
@@ -118,7 +118,7 @@ def kinds(rows):
         lines.append(
             f"<tr><td>{kind}</td>" + "".join(f"<td class=number>{n:,}</td>" for n in numbers) + "</tr>"
         )
-    heads = ("run", "broken", "not reached", "seconds", "of processors")
+    heads = ("run", "broken", "not reached", "seconds", "CPU s")
     head = "<th>kind</th>" + "".join(f"<th class=number>{name}</th>" for name in heads)
     return f"<div class=scroll><table><tr>{head}</tr>{''.join(lines)}</table></div>"
 
@@ -155,8 +155,11 @@ def exceptions(table):
     for kind, entry in table.items():
         for name, listed in entry.items():
             for row in listed if isinstance(listed, list) else ():
-                said = ", ".join(f"{key} {value}" for key, value in row.items() if key != "reason")
-                lines.append(f"<li>{text(kind)}, {text(name)}: {text(said)}: {text(row['reason'])}</li>")
+                values = [value for key, value in row.items() if key != "reason"]
+                said = ", ".join(
+                    ", ".join(value) if isinstance(value, list) else str(value) for value in values
+                )
+                lines.append(f"<li>{kind}, {name}: <code>{text(said)}</code>: {text(row['reason'])}</li>")
     waived = sum(table["coverage"]["waived"].values())
     lines.append(
         f"<li>coverage: up to {waived:,} points waived, with the reasons in tb/coverage/waivers.toml</li>"
