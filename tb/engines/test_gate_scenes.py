@@ -1,6 +1,6 @@
-"""Scenes on twins, RTL and netlist together (tools/gate_scenes.py): the complete published crosstalk in `make
-test`, every scene in `make test-long`. A value, shape or result that differs is counted by engine and name,
-and a deliberately broken cell of a netlist is detected.
+"""Scenes on twins, RTL and netlist together (tools/make/gate_scenes.py): the complete published crosstalk in
+`make test`, every scene in `make test-long`. A value, shape or result that differs is counted by engine and
+name, and a deliberately broken cell of a netlist is detected.
 """
 
 import re

@@ -21,7 +21,7 @@ FEATURES = {
     "cop4": Feature("msn_cop4", ("msn_electrodes", "msn_ratio", "msn_cop4_correct"), "cop4"),
     "cop_slip": Feature("msn_cop_slip", ("msn_delay",), "cop_slip"),
     "demod": Feature("msn_am_demod", (), "demodulate"),
-    "calibrate": Feature("msn_calibrate_taxels", (), "calibrate"),
+    "calibrate": Feature("msn_calibrate", (), "calibrate"),
     "grip": Feature("msn_grip", (), ""),
     **{name: Feature(found.TOP, found.BLOCKS, name) for name, found in FOUND.items()},
 }
@@ -31,7 +31,7 @@ BESIDES = {
     "health": "msn_health",
     "tare": "msn_tare",
     "pulses": "msn_pwm",
-    "link": "msn_core_link",
+    "link": "msn_link",
     "registers": "msn_registers",
 }
 
