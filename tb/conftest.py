@@ -1,7 +1,6 @@
 """Builds that `make test` leaves to `make test-long`, while it runs other builds of the same blocks. Coverage
 counts these builds too. Long tests of the tools that make evidence are listed with them."""
 
-import gc
 import os
 from pathlib import Path
 
@@ -11,14 +10,7 @@ os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.tool
 # Each worker is a process: extra BLAS threads for small matrices wait for each other and double the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
-import ahead
-import bodies
-import drawing
-import together
-import units
-from meissner.engines import verilated
-
-verilated.compiled = units.without_make
+from harness import applicable, drawing, shared_builds
 
 BIG = [
     "tb/boards/test_rows.py::test_rows[16-3]",
@@ -126,43 +118,27 @@ def left_alone(items):
     """Files of ``items`` none of whose builds `make test` runs."""
     builds = {}
     for item in items:
-        if together.calls_run(item.function):
+        if shared_builds.calls_run(item.function):
             left = item.get_closest_marker("long") or item.get_closest_marker("big")
             builds.setdefault(item.nodeid.split("::")[0], []).append(not left)
     return sorted(name for name, runs in builds.items() if not any(runs))
 
 
 @pytest.fixture
-def no_pictures(monkeypatch):
-    """Pictures are made but not rendered, which takes most of a short run's time: for tests of other results.
-    The same pictures are rendered by another test."""
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", drawing.empty)
-
-
-@pytest.fixture
 def undrawn(monkeypatch):
-    """Pictures are not made: for tests of numbers. Another test makes them from the same numbers."""
+    """Pictures are not rendered: for tests of numbers. Another test renders them."""
     drawing.off(monkeypatch)
 
 
 def pytest_configure(config):
-    ahead.of_session(config)
     # Icarus cannot run every build; powerup.py and benches.py do not run every test.
     judges = os.environ.get("MEISSNER_SIM", "verilator") == "verilator"
     judges = judges and not {"MEISSNER_POWERUP", "MEISSNER_RUNS"} & os.environ.keys()
-    config.pluginmanager.register(bodies.Watch(config, Path(__file__).parent, judges))
+    config.pluginmanager.register(applicable.Watch(config, Path(__file__).parent, judges))
 
 
 def pytest_collection_finish(session):
-    together.of_session[:] = session.items
-    # What was collected stays: looking through it for garbage would take a thirtieth of the tests' time.
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(100_000, 20, 20)
-
-
-def pytest_unconfigure():
-    gc.unfreeze()  # pyslang reports what exists after the last collection as leaks, on a hundred lines
+    shared_builds.of_session[:] = session.items
 
 
 def pytest_collection_modifyitems(items):

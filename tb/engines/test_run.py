@@ -164,7 +164,7 @@ def watched_by(tmp_path, monkeypatch, engine, seed, spoil=lambda watched: watche
     return run(scene, engine, tmp_path, seed), seen[1:]  # the first call only warms up
 
 
-def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch, no_pictures):
+def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch, undrawn):
     scene = scenes.load("acrylic_slip")
     _, seen = watched_by(tmp_path, monkeypatch, "fixed", seed=5)
     assert len(seen) == 4  # per seed one without motion, which counts, and one with it
@@ -178,7 +178,7 @@ def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch, no_pictures
     assert np.array_equal(kept["state"], fixed.watch(truth.codes[None], scene.slip_config()).state[0])
 
 
-def test_a_core_that_differs_is_reported(tmp_path, monkeypatch, no_pictures):
+def test_a_core_that_differs_is_reported(tmp_path, monkeypatch, undrawn):
     """One wrong detail in each of two runs, with and without motion, and in the pins' comparison with the
     first run."""
 
@@ -190,7 +190,7 @@ def test_a_core_that_differs_is_reported(tmp_path, monkeypatch, no_pictures):
     assert summary["twin_mismatches"] == 5
 
 
-def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch, no_pictures):
+def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch, undrawn):
     """Paper, the worst condition: half the sliding time is lost without a lower threshold, none with it."""
     scene = scenes.load("slip_materials")
     scene = dataclasses.replace(scene, seeds=3, conditions=scene.conditions[3:])

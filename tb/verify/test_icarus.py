@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-import icarus
+from harness import icarus
 from meissner.builds import toolchain
 from nightly import benches
 

@@ -12,14 +12,10 @@ import pytest
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
-import bodies
-import icarus
-import quick
-import recorder
-import together
+from harness import applicable, fast_cocotb, icarus, recorder, shared_builds
+from harness.compile_models import Units
+from harness.stimulus import SEED
 from meissner.builds import toolchain
-from stimulus import SEED
-from units import Units
 
 # Not --coverage: it adds state machine coverage, which has no points and stops Verilator 5.048 on some
 # sources.
@@ -30,9 +26,9 @@ SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
 # Files whose failed assertions show the compared values: rewriting every other module, NumPy too, takes a
 # second.
 os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
-together.install()
+shared_builds.install()
 if cocotb.is_simulation and os.environ.get("MEISSNER_COCOTB") != "plain":
-    quick.install()
+    fast_cocotb.install()
 if recorder.FILE:
     recorder.install()
 
@@ -44,7 +40,7 @@ def passed(results, name, *plusargs):
     how = " ".join([f"MEISSNER_SEED={SEED}", *plusargs])
     assert failures == 0, f"{name}: {failures} of {tests} failed ({how})"
     cases = list(ElementTree.parse(results).iter("testcase"))
-    bodies.RAN.update(f"{case.get('classname')}.{case.get('name')}" for case in cases)
+    applicable.RAN.update(f"{case.get('classname')}.{case.get('name')}" for case in cases)
     return [case.get("name") for case in cases]
 
 
@@ -53,18 +49,18 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
 
     ``module``: another test file of that stage, in place of test_<block>; ``sources``: files to use in place
     of those of rtl/rtl.f; ``include``: a folder with a header that they include; ``inside``: what the tests
-    see below the top (units.py).
+    see below the top (compile_models.py).
     """
     from nightly.benches import cocotb_for_make  # in tools/, which is not on a simulation's path
 
     parameters = parameters or {}
-    if together.collecting(block, parameters, sources or include or inside):
+    if shared_builds.collecting(block, parameters, sources or include or inside):
         return
     module = module or f"test_{block}"
     evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/coverage.md
     where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
     alone = sources or include or inside or evidence or POWERUPS or SIM != "verilator"
-    sizes = [] if alone else together.group(block, parameters)
+    sizes = [] if alone else shared_builds.group(block, parameters)
     top = f"{block}_side_by_side" if sizes else f"msn_{block}"
     of = f"-{(include or sources[-1].parent).name}" if sources else ""
     asks = os.environ.get("PYTEST_CURRENT_TEST", "none").rsplit(" ", 1)[0]
@@ -84,7 +80,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     os.environ.update(toolchain.environment())
     cocotb_for_make()
     if sizes:
-        runner = together.Side(block, sizes, parameters)
+        runner = shared_builds.Side(block, sizes, parameters)
     else:
         runner = Units(inside) if SIM == "verilator" else get_runner(SIM)
     runner.build(

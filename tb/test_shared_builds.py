@@ -13,9 +13,9 @@ from nightly import benches
 HERE = Path(__file__).parent
 
 CONFTEST = """
-import together
+from harness import shared_builds
 def pytest_collection_finish(session):
-    together.of_session[:] = session.items
+    shared_builds.of_session[:] = session.items
 """
 FILE = """
 import os

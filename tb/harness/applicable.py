@@ -1,9 +1,9 @@
-"""Which cocotb tests apply to which build, and whether each test ran in at least one build.
+"""Which cocotb tests apply to which build, and that each ran in at least one.
 
 ``@bench.applies(lambda dut, ...: ...)``, above ``@cocotb.test``, states the condition under which a test
-applies to a build. In a build that does not meet it the test is left out. Every test must run in at least one
-build of its own file; ``Watch`` collects the tests that ran, over all builds and all workers of pytest-xdist,
-and fails the session if a test ran in none.
+applies to a build; elsewhere it is left out. ``Watch`` collects what ran, over all builds and all workers of
+pytest-xdist, and fails a session of whole files if one of their cocotb tests ran in no build: a condition
+that no build meets would otherwise pass for ever.
 """
 
 import inspect
@@ -15,7 +15,9 @@ from cocotb.regression import TestGenerator
 
 # For each selection by marks: ``long`` of the tests that it must run (True: `make test-long` has all builds).
 SELECTIONS = {"": (False, True), "not long and not big": (False,), "long or big": (True,)}
-serving = False  # a simulator of several builds: which tests apply is known when it runs one (together.py)
+serving = (
+    False  # a simulator of several builds: which tests apply is known when it runs one (shared_builds.py)
+)
 RAN = set()  # "stage.test_block.test" of every test that ran in this process
 
 
@@ -45,49 +47,39 @@ def applies(condition, long=False):
 
 
 def whole(dut):
-    """Whether the sources themselves were built: in a netlist of mutants (verify.mutate) the inner blocks can
+    """Whether the sources themselves were built: in a netlist of mutants (nightly.mutate) the inner blocks can
     be read, but not driven."""
     return not hasattr(dut, "mutsel")
 
 
-def of(module):
+def declared(module):
     """{name: long} of the cocotb tests that a module defines."""
     found = [value for value in vars(module).values() if isinstance(value, TestGenerator)]
     own = [generator for generator in found if generator.module == module.__name__]
     return {test.name: getattr(test, "long", False) for each in own for test in each.generate_tests()}
 
 
-def missing(declared, ran, marks):
-    """Tests of ``declared`` {module: {name: long}} that a selection by ``marks`` must run but did not."""
-    kinds = SELECTIONS.get(marks, ())
-    named = ((f"{module}.{name}", long) for module, tests in declared.items() for name, long in tests.items())
-    return sorted(name for name, long in named if long in kinds and name not in ran)
-
-
 class Watch:
-    """A pytest plugin: fails a session that ran complete files if one of their cocotb tests ran in no
-    build."""
+    """A pytest plugin that judges a session as described above, unless its user chose single tests."""
 
     def __init__(self, config, folder, judges):
         self.config, self.folder = config, folder
-        self.declared, self.ran, self.spoilt, self.gone = {}, set(), set(), []
+        self.declared, self.spoilt, self.gone = {}, set(), []
         options = config.option
-        narrowed = options.keyword or getattr(options, "deselect", None) or getattr(options, "lf", False)
-        self.judges = judges and not narrowed and not options.collectonly
-        # A file is not judged if only some of its tests were selected.
-        self.partial = {self.module_of(Path(arg.split("::")[0])) for arg in config.args if "::" in arg}
+        chosen = options.keyword or getattr(options, "deselect", None) or getattr(options, "lf", False)
+        chosen = chosen or options.collectonly or any("::" in arg for arg in config.args)
+        self.judges = judges and not chosen
 
     def module_of(self, path):
         """stage.test_block, the name by which the simulator knows the module."""
-        path = self.config.invocation_params.dir / path
-        inside = path.resolve().is_relative_to(self.folder)
-        return ".".join(path.resolve().relative_to(self.folder).with_suffix("").parts) if inside else ""
+        inside = path.is_relative_to(self.folder)
+        return ".".join(path.relative_to(self.folder).with_suffix("").parts) if inside else ""
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection_modifyitems(self, items):
         """Collect the declared tests before any item is deselected."""
         for module in {item.module for item in items if getattr(item, "module", None)}:
-            self.declared[self.module_of(Path(module.__file__))] = of(module)
+            self.declared[self.module_of(Path(module.__file__))] = declared(module)
 
     def pytest_runtest_logreport(self, report):
         if report.outcome != "passed":  # failed, or a build that this machine cannot make
@@ -96,21 +88,23 @@ class Watch:
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node):
         """A worker of pytest-xdist ended; one that crashed has no output, so then nothing is judged."""
-        said = getattr(node, "workeroutput", {}).get("bodies")
+        said = getattr(node, "workeroutput", {}).get("applicable")
         self.judges = self.judges and said is not None
         if said:
-            self.declared |= said["declared"]
-            self.ran |= set(said["ran"])
+            self.declared |= said[0]
+            RAN.update(said[1])
 
     def pytest_sessionfinish(self, session, exitstatus):
         if hasattr(self.config, "workerinput"):  # a worker: the session that started it judges
-            self.config.workeroutput["bodies"] = {"declared": self.declared, "ran": sorted(RAN)}
+            self.config.workeroutput["applicable"] = self.declared, sorted(RAN)
             return
         ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
         if not ended or not self.judges or session.shouldstop or session.shouldfail:
             return
-        judged = {k: v for k, v in self.declared.items() if k not in self.spoilt | self.partial}
-        self.gone = missing(judged, self.ran | RAN, self.config.option.markexpr)
+        kinds = SELECTIONS.get(self.config.option.markexpr, ())
+        judged = {module: tests for module, tests in self.declared.items() if module not in self.spoilt}
+        named = {f"{module}.{name}": long for module, tests in judged.items() for name, long in tests.items()}
+        self.gone = sorted(name for name, long in named.items() if long in kinds and name not in RAN)
         if self.gone:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 

@@ -1,8 +1,7 @@
-"""The benches' own mechanism: tests are declared to apply to builds, each runs in some build of its file, and
-gaps and stalls are drawn from different sequences.
+"""The benches' own mechanism: a cocotb test that ran in no build of its file fails the session, none passes
+by leaving early, and gaps and stalls are drawn from different sequences.
 
-``Watch`` runs in separate sessions of pytest, on files whose "builds" only record what ran: with one process
-and two workers, with all tests run and with one missing, and with selections that allow no conclusion.
+``Watch`` runs in separate sessions of pytest, on a file whose "builds" only record what ran.
 """
 
 import ast
@@ -19,24 +18,25 @@ HERE = Path(__file__).parent
 
 CONFTEST = """
 from pathlib import Path
-import bodies
+from harness import applicable
 def pytest_configure(config):
     for mark in ("long", "big"):
         config.addinivalue_line("markers", mark)
-    config.pluginmanager.register(bodies.Watch(config, Path(__file__).parent, True))
+    config.pluginmanager.register(applicable.Watch(config, Path(__file__).parent, True))
 """
 FILE = """
-import bodies, cocotb, pytest
+import cocotb, pytest
+from harness import applicable
 
 @cocotb.test()
 async def everywhere(dut): ...
 
-@bodies.applies(lambda dut, size: size < dut)
+@applicable.applies(lambda dut, size: size < dut)
 @cocotb.test()
 @cocotb.parametrize(size=[1, 2])
 async def sized(dut, size): ...
 
-@bodies.applies(lambda dut: dut > 9, long=lambda size: size > 1)
+@applicable.applies(lambda dut: dut > 9, long=lambda size: size > 1)
 @cocotb.test()
 @cocotb.parametrize(size=[1, 9])
 async def huge(dut, size): ...
@@ -45,11 +45,11 @@ RUNS = {"a": ["everywhere", "huge/size=1", "sized/size=1"], "b": ["everywhere", 
 
 @pytest.mark.parametrize("build", RUNS)
 def test_builds(build):
-    bodies.RAN.update(f"stage.test_block.{name}" for name in RUNS[build])
+    applicable.RAN.update(f"stage.test_block.{name}" for name in RUNS[build])
 
 @pytest.mark.long
 def test_huge():
-    bodies.RAN.add("stage.test_block.huge/size=9")
+    applicable.RAN.add("stage.test_block.huge/size=9")
 """
 USUAL = ["-m", "not long and not big"]
 
@@ -64,50 +64,24 @@ def session(folder, *options, text=FILE):
     given = {"PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, [os.environ.get("PYTHONPATH")])])}
     given["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # importing all plugins takes two thirds of a session
     done = subprocess.run(command, cwd=folder, env=os.environ | given, capture_output=True, text=True)
-    said = [
-        line.split(": it ran in no build")[0] for line in done.stdout.splitlines() if "in no build" in line
-    ]
-    return done.returncode, [line.removeprefix("FAILED stage.test_block.") for line in said]
+    lines = [line for line in done.stdout.splitlines() if ": it ran in no build" in line]
+    return done.returncode, [line.split(": ")[0].removeprefix("FAILED stage.test_block.") for line in lines]
 
 
 @pytest.mark.parametrize(
     "workers", [[], ["-p", "xdist", "-n", "2", "--dist", "worksteal"]], ids=["one", "two"]
 )
-def test_a_body_that_ran_in_no_build_fails_the_session(tmp_path, workers):
+def test_a_test_that_ran_in_no_build_fails_the_session(tmp_path, workers):
     assert session(tmp_path, *workers) == (0, [])
     less = FILE.replace(', "sized/size=2"]', "]")
-    assert session(tmp_path, *workers, text=less) == (1, ["sized/size=2"])
     assert session(tmp_path, *workers, "stage", *USUAL, text=less) == (1, ["sized/size=2"])
 
 
-def test_bodies_of_long_builds_are_missed_where_those_run(tmp_path):
-    assert session(tmp_path, *USUAL) == (0, [])
-    assert session(tmp_path, "-m", "long or big") == (0, [])
-    less = FILE.replace("bodies.RAN.add(", "str(")
+def test_long_builds_are_missed_where_those_run_and_nothing_where_the_user_chose(tmp_path):
+    less = FILE.replace("applicable.RAN.add(", "str(")
     assert session(tmp_path, *USUAL, text=less) == (0, [])
     assert session(tmp_path, "-m", "long or big", text=less) == (1, ["huge/size=9"])
-    assert session(tmp_path, *USUAL, text=FILE.replace(", long=lambda size: size > 1", "")) == (
-        1,
-        ["huge/size=9"],
-    )
-
-
-@pytest.mark.parametrize(
-    "chosen",
-    [
-        ["-k", "a"],
-        ["stage/test_block.py::test_builds[a]"],
-        ["--deselect", "stage/test_block.py::test_builds[b]"],
-    ],
-)
-def test_a_users_choice_of_builds_concludes_nothing(tmp_path, chosen):
-    assert session(tmp_path, *chosen) == (0, [])
-
-
-def test_a_failed_build_is_the_failure(tmp_path):
-    """It is not known which tests the failed build would have run."""
-    broken = FILE.replace("def test_builds(build):", "def test_builds(build):\n    assert build == 'a'")
-    assert session(tmp_path, text=broken) == (1, [])
+    assert session(tmp_path, "-k", "a", text=less) == (0, [])
 
 
 def leaves_early(function):
@@ -123,20 +97,20 @@ def leaves_early(function):
     return lines
 
 
-@pytest.mark.parametrize("path", sorted(HERE.rglob("test_*.py")), ids=lambda path: path.stem)
-def test_no_test_passes_by_leaving_early(path):
-    """A cocotb test that does not apply must be declared so; a pytest test that cannot run must be
-    skipped."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            cocotbs = any("cocotb.test" in ast.unparse(each) for each in node.decorator_list)
-            if cocotbs or node.name.startswith("test_"):
-                assert leaves_early(node) == [], f"{path}: {node.name}"
+def test_no_test_passes_by_leaving_early():
+    """A cocotb test that does not apply must be declared so; a pytest test that cannot run, skipped."""
+    for path in HERE.rglob("test_*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                cocotbs = any("cocotb.test" in ast.unparse(each) for each in node.decorator_list)
+                if cocotbs or node.name.startswith("test_"):
+                    assert leaves_early(node) == [], f"{path}: {node.name}"
 
 
 @pytest.mark.parametrize("rate", [0.1, 0.5, 0.9])
 def test_gaps_and_stalls_meet_in_every_way(rate):
-    """Each of the four pairs occurs as often as for independent patterns, within five standard deviations."""
+    """Each of the four pairs occurs as often as for independent patterns, within five standard deviations,
+    and a pattern repeats with the same seed and role."""
     count, pairs = 10_000, {}
     gaps, stalls = bench.gaps_and_stalls(rate)
     for _ in range(count):
@@ -146,9 +120,7 @@ def test_gaps_and_stalls_meet_in_every_way(rate):
         for stall in (True, False):
             share = (rate if gap else 1 - rate) * (rate if stall else 1 - rate)
             assert abs(pairs.get((gap, stall), 0) - count * share) < 5 * (count * share * (1 - share)) ** 0.5
-
-
-def test_pauses_repeat():
-    """A pattern repeats with the same seed and role; another role gives another pattern."""
-    draws = [[pause() for _ in range(100)] for pause in (bench.pauses(0.5, role) for role in ("b", "b", "r"))]
+    draws = [
+        [pause() for _ in range(100)] for pause in (bench.pauses(rate, role) for role in ("b", "b", "r"))
+    ]
     assert draws[0] == draws[1] != draws[2]

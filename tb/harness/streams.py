@@ -7,10 +7,10 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
-import icarus
-from bodies import applies
-from runner import ONES, SIM
-from stimulus import SEED, as_signed, force_beats
+from harness import icarus
+from harness.applicable import applies
+from harness.runner import ONES, SIM
+from harness.stimulus import SEED, as_signed, force_beats
 
 
 async def start(dut, **inputs):

@@ -21,9 +21,9 @@ from functools import cache
 import cocotb
 from cocotb.regression import RegressionManager
 
-import bodies
+from harness import applicable
+from harness.compile_models import Units
 from meissner.builds import toolchain
-from units import Units
 
 INSTANCE = "MEISSNER_INSTANCE"  # the instance that a simulation's tests take for the top
 SERVE = "MEISSNER_SERVE"  # the file descriptor over which a simulator is asked to run tests
@@ -181,7 +181,7 @@ def serve(manager):
             os.environ.clear()
             os.environ.update(json.loads(line))
             cocotb.top = getattr(cocotb.top, os.environ[INSTANCE])
-            bodies.serving = False
+            applicable.serving = False
             _end_without_threads()
             manager._test_queue.clear()
             manager.discover_tests(*os.environ["COCOTB_TEST_MODULES"].split(","))
@@ -201,7 +201,7 @@ _start = RegressionManager.start_regression
 def install():
     """In a simulation: of one instance, or of all that it is asked for."""
     if SERVE in os.environ:
-        bodies.serving = True
+        applicable.serving = True
         RegressionManager.start_regression = serve
     elif INSTANCE in os.environ:
         cocotb.top = getattr(cocotb.top, os.environ[INSTANCE])

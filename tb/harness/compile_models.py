@@ -1,5 +1,4 @@
-"""Compile what Verilator wrote for a bench or an engine: as one or two units in place of its makefile's
-dozen.
+"""Compile what Verilator wrote for a bench: as one or two units in place of its makefile's dozen.
 
 Each file of a larger model reads all headers again: a core took 17 s, in two units it takes 6 s. Code that
 runs in every clock is compiled at -Og: a core's benches take half the time they do at -O0, for 1 s more of
@@ -8,7 +7,6 @@ runtime is cached by model/meissner/builds/objcache.py and linked from there.
 """
 
 import hashlib
-import os
 import re
 import shutil
 import subprocess
@@ -51,9 +49,9 @@ class Units(Verilator):
         link(self.build_dir, options["hdl_toplevel"])
 
 
-def _lists(folder, prefix="Vtop"):
+def _lists(folder):
     """{VM_name: words} that Verilator wrote for its makefile."""
-    text = (folder / f"{prefix}_classes.mk").read_text("utf-8")
+    text = (folder / "Vtop_classes.mk").read_text("utf-8")
     rows = re.findall(r"^(VM_\w+) \+?= *((?:[^\\\n]|\\\n)*)", text, re.M)
     return {name: words.replace("\\\n", " ").split() for name, words in rows}
 
@@ -90,33 +88,6 @@ def _runtime(says, flags):
 
 def _linker():
     return ["-fuse-ld=gold"] if shutil.which("ld.gold") else []  # takes a third of the time of GNU ld
-
-
-def without_make(command, environment):
-    """As verilated.with_make, in less than half its time: a driver and its model form one unit, and no Python
-    starts for each object. A build with a trace still uses make, so that make is tested too."""
-    from meissner.engines import verilated  # not needed by simulations, which import this file too
-
-    if "--trace-vcd" in command:
-        return verilated.with_make(command, environment)
-    os.environ["MEISSNER_OBJECTS"] = environment["MEISSNER_OBJECTS"]  # objcache.py runs in this process
-    after = lambda option: command[command.index(option) + 1]
-    folder, prefix = Path(after("-Mdir")), f"V{after('--top-module')}"
-    done = subprocess.run(command, env=environment, capture_output=True, encoding="utf-8", errors="replace")
-    if done.returncode:
-        return done
-    pic, optimise, drivers = after("-CFLAGS").split()
-    assert pic == "-fPIC" and optimise == toolchain.OPTIMISE and drivers.startswith("-I")
-    says = _lists(folder, prefix)
-    files = _sources(says, folder, "CLASSES_FAST", "SUPPORT_FAST", "CLASSES_SLOW", "SUPPORT_SLOW")
-    files = [*(word for word in command if word.endswith(".cpp")), *files]
-    try:
-        unit = _compile(folder, "engine", files, optimise, _flags(says), folder, drivers[2:])
-        objects = map(str, _runtime(says, _flags(says)))
-        _do(["c++", "-shared", *_linker(), unit, *objects, "-pthread", "-o", after("-o")], folder)
-    except RuntimeError as error:
-        return subprocess.CompletedProcess(command, 1, "", str(error))
-    return done
 
 
 def link(folder, name):
