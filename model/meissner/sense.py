@@ -28,7 +28,7 @@ from meissner.physics.cop4_config import Cop4Config
 from meissner.twins.cop import cop4 as cop4_twin
 from meissner.twins.cop.cop_accumulate import moments
 from meissner.twins.cop.cop_divide import cop_divide
-from meissner.twins.frontend.calibrate_taxels import forces
+from meissner.twins.frontend.calibrate import forces
 from meissner.twins.slip import slip as slip_twin
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.haar import Haar
@@ -200,7 +200,7 @@ class Cop:
 
 
 class Array:
-    """A calibrated array: codes to forces to the centre of pressure (rtl/cop/msn_cop_array.sv).
+    """A calibrated array: codes to forces to the centre of pressure (rtl/sensor/msn_array_forces.sv).
 
     ``calibration``: from meissner.calibration.load or ``fit``; faulty cells give 0. ``min_load``: as in Cop.
     TypeError if ``calibration`` is no Calibration, ValueError if the array's register does not hold

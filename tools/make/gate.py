@@ -19,7 +19,7 @@ import gate_scenes
 from meissner import scenes
 from meissner.builds import boards
 from meissner.engines.rtl_core import line
-from meissner.scenes.shown import codes_of
+from meissner.scenes.core_stimulus import codes_of
 from meissner.twins.link.decoder import Decoder
 
 # The part of a configuration's scene: first frame, number of frames, stride (so that a few show a press).

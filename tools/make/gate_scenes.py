@@ -18,8 +18,7 @@ import numpy as np
 from meissner import run as runs
 from meissner import scenes
 from meissner.engines import features, fixed, gate, rtl_hand
-from meissner.engines.features import FEATURES
-from meissner.engines.stages import STAGES, function
+from meissner.engines.features import FEATURE_OF, FEATURES, function
 from meissner.scenes.hand import loop
 
 HAND_S = 3.0  # of each condition: the pour, the tugs and the slips of a release all begin within it
@@ -92,7 +91,7 @@ class Compared:
     def watching(self):
         """A context in which the engine ``gate`` compares."""
         with ExitStack() as stack:
-            for name in STAGES:
+            for name in FEATURE_OF:
                 if name in FEATURES:
                     stack.enter_context(patch.dict(features.of(name), gate=self.stage(name)))
                 else:

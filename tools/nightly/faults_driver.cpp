@@ -886,6 +886,14 @@ int main(int argc, char **argv) {
       const auto frames = frames_of(out);
       for (size_t i = 2; i < frames.size(); ++i) interval = std::max(interval, frames[i].clock - frames[i - 1].clock);
     }
+    // Frames must still follow after the longest fault and the recovery from it.
+    const auto quiet = names("quiet");
+    for (size_t s = 0; s < sinks.size(); ++s) {
+      const auto frames = frames_of(golden.out[s]);
+      if (frames.size() < kFew || std::find(quiet.begin(), quiet.end(), sinks[s].name) != quiet.end()) continue;
+      const long needed = kStopped + static_cast<long>(settle) * interval;
+      last_clock = std::min(last_clock, frames[frames.size() - kFew].clock - needed);
+    }
   }
   if (last_clock < 2) std::cerr << "too short a recording: " << begins.size() << " frames\n", std::exit(3);
   const auto any_clock = [&] { return static_cast<long>(draw() % last_clock); };

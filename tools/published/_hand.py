@@ -52,7 +52,7 @@ def draw(folder):
     for number, name, seeds in MOTIONS:
         scene, found = held(name, seeds)
         file = f"initial_slip_{number}.png"
-        pictures.draw(folder / file, scene, scene.conditions[0], 1, found.trace)
+        pictures.draw(scene, scene.conditions[0], 1, found.trace, folder / file)
         Image.open(folder / file).quantize(64).save(folder / file, optimize=True)  # halves the file size
         caption = f"Figure {number}: `{name}`, seed 1: grip force, Haar detail, the glass's displacement"
         shown.append((file, caption))

@@ -8,8 +8,8 @@ from meissner import scenes
 from meissner.budget import cop4
 from meissner.physics import mesh_loads
 from meissner.physics.mesh import Mesh
-from meissner.scenes.locus import circle
 from meissner.scenes.mesh import run as mesh_run
+from meissner.scenes.mesh.run import circle
 from published import Row, Table
 from published._parts import NONE, figure, label, percent, save, signed
 from published.mesh_figures import errors

@@ -25,15 +25,15 @@ PER_MM2 = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2
 
 @cache
 def measured(kind, seed=1):
-    """Summary, arrays and drawings of a scene."""
-    return run.measure(scenes.load(f"capacitive_{kind}"), "fixed", seed)
+    """The Result of a scene."""
+    return run.run(scenes.load(f"capacitive_{kind}"), "fixed", seed)
 
 
 def over_seeds(kind, key, scale=1.0):
     """``4.19 (3.81 to 4.69)``: seed 1 and the range of all seeds. ``key``: in the summary or its last row."""
 
     def value(seed):
-        summary = measured(kind, seed)[0]
+        summary = measured(kind, seed).summary
         return scale * (summary[key] if key in summary else summary["conditions"][-1][key])
 
     values = [value(seed) for seed in SEEDS]
@@ -41,7 +41,7 @@ def over_seeds(kind, key, scale=1.0):
 
 
 def mean_over_seeds(kind, key):
-    values = [100 * measured(kind, seed)[0][key]["mean"] for seed in SEEDS]
+    values = [100 * measured(kind, seed).summary[key]["mean"] for seed in SEEDS]
     return f"{values[0]:.2g} % ({min(values):.2g} to {max(values):.2g})"
 
 
@@ -138,7 +138,7 @@ def design():
 
 
 def crosstalk():
-    summary = measured("crosstalk")[0]
+    summary = measured("crosstalk").summary
     rows = {row["unselected_pf"]: row for row in summary["conditions"]}
     volts = ", ".join(f"{rows[pf]['output_v']:.2f} ({pf:g} pF)" for pf in (0, 10, 40, 80))
     lagging = ", ".join(f"{100 * rows[pf]['low_by_with_lagging_gain']:.2g}" for pf in (0, 10, 40, 80))
@@ -170,7 +170,7 @@ def crosstalk():
 
 
 def cell():
-    summary = measured("cell")[0]
+    summary = measured("cell").summary
     rows = summary["conditions"]
     spread = [100 * row["of_the_mean"] for row in rows]
     return [
@@ -226,9 +226,9 @@ def cell():
 
 
 def images():
-    select, shapes = measured("select")[0], measured("shapes")[0]
+    select, shapes = measured("select").summary, measured("shapes").summary
     share = columns_share()
-    arrays = measured("shapes")[1]
+    arrays = measured("shapes").arrays
     edges = arrays["image_two_edges"][:, 2:6].mean(axis=1)
     names = {row["shape"]: row for row in shapes["conditions"]}
 

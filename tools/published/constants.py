@@ -15,7 +15,7 @@ from meissner import physics, scenes
 from meissner.builds import toolchain
 from meissner.engines import fixed
 from meissner.scenes.grip.run import judge
-from meissner.scenes.rates import rates
+from meissner.scenes.slip_rates import rates
 from meissner.tradeoff.changes import HELD_CHANGES, changed
 
 PAGE = toolchain.ROOT / "docs/constants.md"

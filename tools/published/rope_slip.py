@@ -11,8 +11,8 @@ from PIL import Image
 
 from meissner import scenes
 from meissner.interval import words
+from meissner.scenes.drawing import BLUE, INK, RED
 from meissner.scenes.fsr import run
-from meissner.scenes.rubber.pictures import BLUE, INK, RED
 from published import Row
 
 TITLE = "Fingertip Tactile Sensor for Detecting Rope Slip (3×3 FSR400, random forest)"
@@ -35,12 +35,12 @@ TABLE_2 = ((4716, 1773, 6489), (2241, 1773, 4014))
 
 @cache
 def measured():
-    return run.measure(scenes.load("fsr_3x3"), "fixed", 1)
+    return run.run(scenes.load("fsr_3x3"), "fixed", 1)
 
 
 def compute():
     scene = scenes.load("fsr_3x3")
-    summary, arrays, _ = measured()
+    summary, arrays = measured().summary, measured().arrays
     period_ms = 1e3 / scene.rate_hz
     lsb_mv = 1e3 * scene.adc.lsb_v
     position, load = summary["position_error"], summary["load_error"]
@@ -119,7 +119,7 @@ def compute():
 
 
 def draw(folder):
-    _, arrays, _ = measured()
+    arrays = measured().arrays
     figure = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
     FigureCanvasAgg(figure)
     axis = figure.subplots()
