@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from verify import benches
+from nightly import benches
 
 HERE = Path(__file__).parent
 

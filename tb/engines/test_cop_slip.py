@@ -167,7 +167,7 @@ def test_run_the_scene(tmp_path, engine, request):
     result = np.load(tmp_path / "result.npz")
     assert np.array_equal(result["c0_codes"], scenes.simulate(scene, scene.conditions[0], 3).codes)
     assert len(list(tmp_path.glob("*.png"))) == 1 + len(scene.conditions)
-    told = "\n".join(run.tell(scene, summary))
+    told = "\n".join(cop_slip.tell(summary))
     assert "load output down by" in told and "0 in the wrong octant" in told
     assert "0 of 14 runs (0 %, 95 % interval 0 to 23.2 %)" in told and "seeds 3 to 4" in told
 
@@ -196,7 +196,7 @@ def test_a_detector_that_never_fires_misses_all(tmp_path, undrawn):
     summary = run.run(deaf, "fixed", tmp_path)
     assert summary["missed"] == sum(isinstance(c, Pull) for c in SCENE.conditions)
     assert summary["direction_error_deg"] is None and summary["flag_s"] is None
-    assert "no flag" in "\n".join(run.tell(deaf, summary))
+    assert "no flag" in "\n".join(cop_slip.tell(summary))
 
 
 def test_without_its_move_the_detector_takes_a_release_for_a_slip(tmp_path, undrawn):

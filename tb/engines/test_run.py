@@ -12,6 +12,7 @@ from meissner.engines import Watched, fixed
 from meissner.run import run
 from meissner.scenes.rubber import judge as judging
 from meissner.scenes.rubber import run as slip_run
+from meissner.scenes.timed import mismatches
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.slip import State
 
@@ -110,13 +111,13 @@ def test_crossing_is_the_reference_window_s():
 def test_every_difference_from_the_twin_counts():
     details = {"p2p": np.arange(6).reshape(2, 3), "over": np.zeros((2, 3), bool), "state": np.ones((2, 3))}
     twin = Watched(**details, end=np.array([False, True, False]), blanked=4)
-    assert slip_run._mismatches(twin, twin) == 0
+    assert mismatches(twin, twin) == 0
     for field in ("p2p", "over", "state"):
         changed = getattr(twin, field).copy()
         changed[1, 2] = not changed[1, 2]
-        assert slip_run._mismatches(dataclasses.replace(twin, **{field: changed}), twin) == 1, field
-    assert slip_run._mismatches(dataclasses.replace(twin, end=~twin.end), twin) == 3
-    assert slip_run._mismatches(dataclasses.replace(twin, blanked=5), twin) == 1
+        assert mismatches(dataclasses.replace(twin, **{field: changed}), twin) == 1, field
+    assert mismatches(dataclasses.replace(twin, end=~twin.end), twin) == 3
+    assert mismatches(dataclasses.replace(twin, blanked=5), twin) == 1
 
 
 def test_statistics_are_of_all_runs():

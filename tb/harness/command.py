@@ -16,7 +16,13 @@ from pathlib import Path
 from meissner import cli
 
 IMPORTED = (
-    *("meissner.cli", "meissner.run", "meissner.engines", "meissner.scenes.parts", "meissner.builds.boards"),
+    *(
+        "meissner.cli",
+        "meissner.run",
+        "meissner.engines",
+        "meissner.scenes.timed",
+        "meissner.builds.boards",
+    ),
     *("meissner.budget.array", "meissner.budget.cop4", "meissner.budget.grip", "matplotlib.figure"),
 )
 

@@ -48,7 +48,7 @@ def refused(block, parameters):
 
     The reason may be the block's own or that of a block inside it: a struct port, or what its tests state.
     """
-    from verify import evidence  # in tools/, which is not on the path of every user of this file
+    from nightly import evidence  # in tools/, which is not on the path of every user of this file
 
     runs = evidence.of(block, "icarus").get("runs", {})
     given = {name: str(parameters.get(name, default(block, name))) for name in runs}

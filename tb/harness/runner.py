@@ -51,7 +51,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     of those of rtl/rtl.f; ``include``: a folder with a header that they include; ``inside``: what the tests
     see below the top (compile_models.py).
     """
-    from verify.benches import cocotb_for_make  # in tools/, which is not on a simulation's path
+    from nightly.benches import cocotb_for_make  # in tools/, which is not on a simulation's path
 
     parameters = parameters or {}
     if shared_builds.collecting(block, parameters, sources or include or inside):

@@ -96,7 +96,7 @@ class Side(Units):
         self.block, self.sizes, self.number = block, sizes, sizes.index(parameters)
 
     def build(self, sources, build_dir, **options):
-        from verify.benches import side_by_side  # in tools/, which is not on a simulation's path
+        from nightly.benches import side_by_side  # in tools/, which is not on a simulation's path
 
         build_dir.mkdir(parents=True, exist_ok=True)
         with open(build_dir / "lock", "w") as lock:  # another worker may run other tests of this build

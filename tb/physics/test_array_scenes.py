@@ -10,7 +10,7 @@ import pytest
 from meissner import engines, run, scenes
 from meissner.builds import toolchain
 from meissner.scenes.capacitive import scene as capacitive
-from meissner.scenes.chain import unevenness
+from meissner.scenes.errors import unevenness
 from meissner.scenes.sensor import sensor
 
 PADS, MATRICES = scenes.names("capacitive"), scenes.names("fsr")

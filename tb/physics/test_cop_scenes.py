@@ -12,9 +12,9 @@ from meissner import engines, run, scenes
 from meissner.physics import mesh_loads, patches, plantar
 from meissner.physics.mesh import Mesh
 from meissner.scenes.array import scene as array_scene
-from meissner.scenes.locus import circle
+from meissner.scenes.errors import errors, summarise
 from meissner.scenes.mesh import scene as mesh_scene
-from meissner.scenes.truth import errors, summarise
+from meissner.scenes.mesh.run import circle
 
 ARRAYS, MESHES = scenes.names("array"), scenes.names("mesh")
 COMMON = (

@@ -126,7 +126,7 @@ def test_a_slip_recording_is_seeded():
 
 
 def test_no_step_of_a_scene_is_a_loop_over_its_samples():
-    """Calls of Python and C functions: about 380 for 55,000 samples. `make bench` measures the time."""
+    """Calls of Python and C functions: about 380 for 55,000 samples."""
     scene, calls = scenes.load("acrylic_slip"), []
     sys.setprofile(lambda frame, event, _: calls.append(event) if event in ("call", "c_call") else None)
     try:

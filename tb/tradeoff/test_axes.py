@@ -12,7 +12,7 @@ from meissner import cli, scenes
 from meissner.builds import config
 from meissner.engines import fixed
 from meissner.scenes.rubber.judge import judge
-from meissner.tradeoff import area, table, worker
+from meissner.tradeoff import area, sweep, table, worker
 from meissner.tradeoff.axes import constants, cop4, divider, slip
 from meissner.tradeoff.points import command_of, point_of, text_of
 
@@ -147,6 +147,8 @@ def test_a_change_that_matters_turns_a_conclusion():
     )
     assert usual["none_missed"] and usual["leads_100_ms"] and not quiet["none_missed"]
     assert constants.error({"change": "as they are", "runs": 3}) == usual, "the change has ended"
+    early = constants.error({"change": "first event 0.12", "runs": 3})
+    assert early["lead_ms_min"] > 4 * usual["lead_ms_min"] > 0 > quiet["lead_ms_min"]
 
 
 def test_shipped_points_are_the_named_configurations():
@@ -164,23 +166,31 @@ def test_shipped_points_are_the_named_configurations():
     assert found == tuple(shipped[key] for key in ("adc", "converters", "inputs", "side"))
 
 
-def test_areas_are_those_that_are_recorded(monkeypatch):
-    """A record of the current sources counts; if it is stale or absent, no figure is shown, and a message
-    says so."""
-    kept = {
-        "a ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 12}, "mhz_worst": 99.5},
-        "b ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 13}, "mhz_worst": 98.5},
-    }
-    kept["a ecp5"]["rests"] = area.digest("msn_skid", {}, "ecp5")
-    kept["b ecp5"]["rests"] = "00000000"
-    monkeypatch.setattr(area, "records", lambda: kept)
+def test_areas_are_those_that_are_recorded(tmp_path, monkeypatch):
+    """A figure that was not measured is an error that names the command, before any point is measured."""
+    path = tmp_path / "fmax.json"
+    kept = {"a ecp5": {"area": {"lut": 12}, "mhz_worst": 99.5}}
+    path.write_text(json.dumps({"version": "0.1.0", "figures": kept}))
+    monkeypatch.setattr(area, "BLOCKS", path)
     assert area.placed("a", "ecp5") == {"lut": 12, "mhz": 99.5}
-    assert area.placed("b", "ecp5") == area.placed("c", "ecp5") == {"lut": None, "mhz": None}
-    assert area.digest("msn_skid", {"Bits": 3}, "ecp5") != area.digest("msn_skid", {"Bits": 4}, "ecp5")
-    assert area.missing([("a", "ecp5"), ("b", "ecp5"), ("c", "ecp5")]) == [
-        "LUT and Fmax without a current record (stale: b, absent: c); "
-        "`make fmax FMAX=\"--record 'b' 'c'\"` measures them"
-    ]
+    for entry, target in (("a", "up5k"), ("b", "ecp5")):
+        with pytest.raises(
+            ValueError, match=rf"no figures of {entry} on {target}; `make fmax FMAX=.*'{entry}'"
+        ):
+            area.placed(entry, target)
+    with pytest.raises(ValueError, match="slip-64"):
+        sweep.run([table.named("slip")], tmp_path / "out", quick=True)
+    monkeypatch.setattr(area, "BLOCKS", tmp_path / "none.json")
+    with pytest.raises(ValueError, match=r"none\.json is missing; `make fmax"):
+        area.placed("a", "ecp5")
+
+
+def test_every_point_with_a_placed_block_has_its_figures():
+    """The recorded file serves every axis."""
+    for axis in EVERY:
+        for point in axis.points() if axis.placed else ():
+            if entry := axis.placed(point):
+                assert area.placed(*entry)["lut"] > 0
 
 
 def test_a_point_is_printed(capsys):

@@ -8,12 +8,13 @@ import pytest
 
 from meissner import cli
 from meissner.builds import config
-from meissner.tradeoff import choose
+from meissner.tradeoff import area, choose
+from meissner.tradeoff import command as tradeoff_command
 from meissner.tradeoff.candidates import board_of, rounded_rate, tables
 from meissner.tradeoff.command import RECORD
 from meissner.tradeoff.needs import NEEDS, Needs
 
-MEASURED = json.loads(RECORD.read_text("utf-8"))
+MEASURED = json.loads(RECORD.read_text("utf-8"))["figures"]
 RATES = {"fingertip": (5200.0, 4000.0)}  # chosen and shipped rates, where they differ; see docs/tradeoff.md
 
 
@@ -101,3 +102,16 @@ def test_what_is_printed_is_a_configuration(tmp_path, capsys):
 
 def test_a_rate_of_two_digits():
     assert [rounded_rate(rate) for rate in (1432.8, 99.9, 100.0, 7.26)] == [1400.0, 99.0, 100.0, 7.2]
+
+
+def test_a_missing_record_is_named_with_the_command_that_writes_it(tmp_path, monkeypatch, capsys):
+    for module, name, command in (
+        (area, "BOARDS", "make resources"),
+        (tradeoff_command, "RECORD", 'make figures FIGURES="tradeoff"'),
+    ):
+        monkeypatch.setattr(module, name, tmp_path / "none.json")
+        with pytest.raises(SystemExit) as ended:
+            cli.main(["choose", "channels", "--board", "icebreaker"])
+        said = capsys.readouterr().err
+        assert ended.value.code == 2 and f"none.json is missing; `{command}" in said, said
+        monkeypatch.undo()

@@ -180,26 +180,13 @@ def test_what_was_being_written_is_no_point(tmp_path):
 def test_points_of_other_sources_are_measured_again(tmp_path, monkeypatch):
     lines = []
     swept(tmp_path / "a")
-    monkeypatch.setattr(store, "revision", lambda module: "01234567")
+    monkeypatch.setattr(store, "revision", lambda: "01234567")
     swept(tmp_path / "a", say=lines.append)
     assert lines == [
         f"0 of 24 points are in {tmp_path / 'a'} already; 24 are measured again, "
-        "because what they rest on has changed"
+        "because the package has changed"
     ]
     assert len(toy.log()) == 48
-
-
-def test_what_an_axis_rests_on():
-    """The slip axis depends on twin, physics and scene; not on the report or the hand's own registers."""
-    files = {
-        path.relative_to(store.PACKAGE).as_posix() for path in store.rests_on("meissner.tradeoff.axes.slip")
-    }
-    assert files >= {"twins/slip/slip.py", "physics/rubber.py", "scenes/rubber/acrylic_slip.toml", "check.py"}
-    assert "host/core.py" not in files and "tradeoff/draw.py" not in files
-    files = {
-        path.relative_to(store.PACKAGE).as_posix() for path in store.rests_on("meissner.tradeoff.axes.shear")
-    }
-    assert "twins/common/exp2.py" in files and "physics/rubber.py" not in files
 
 
 def test_tasks_of_a_group_stay_with_one_process():
