@@ -16,7 +16,7 @@ import numpy as np
 
 from meissner import files
 from meissner.interval import CONFIDENCE
-from meissner.plain import plain
+from meissner.terminal import plain
 from meissner.twins.slip.shear_speed import ShearSettings
 
 RECORDING = ("time_s", "volts", "speed_mm_s")
