@@ -10,7 +10,7 @@ MODEL = ROOT / "model"
 LAYERS = [
     *(
         "names",
-        "plain",
+        "terminal",
         "interval",
         "check",
         "files",

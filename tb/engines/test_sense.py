@@ -112,7 +112,7 @@ def test_cop_by_hand():
 
 
 def test_results_have_the_names_of_the_files():
-    """docs/decisions/host.md; the arrays are those of ``meissner process``, with the same kinds of numbers."""
+    """docs/decisions/host.md. The arrays are those of ``meissner process``, of the same kinds."""
     assert {"sum", "mx", "my", "x", "y", "valid"} <= set(sense.CopResult._fields)
     assert {"x", "y", "load", "valid"} <= set(sense.Cop4Result._fields)
     assert {"window_end", "slip", "fired_at"} <= set(sense.SlipResult._fields)
