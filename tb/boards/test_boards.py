@@ -110,12 +110,6 @@ def test_growth_over_three_percent_is_reported(change, said):
     assert synth.compare("x", before, before | change) == said
 
 
-def test_a_pair_that_was_never_recorded_is_reported():
-    assert synth.compare("x", None, {}) == [
-        "x is not in constraints/resources.json; `make resources` writes it"
-    ]
-
-
 def test_a_conflict_of_drivers_fails_the_build():
     """Yosys makes a wrong netlist of a product followed by two registers, and reports it only in passing."""
     folder = ROOT / "build/tb/conflict"
