@@ -8,7 +8,7 @@
     python tools/trust.py --page       only write the pages from the records
 
 Each kind has its own tools, which take --record. Exit code 1 if one of them failed. Evidence is shown as
-stale if the digest of what it rests on (verify/revision.py, verify/readers.py) has changed since its record.
+stale if the digest of what it rests on (verify/revision.py) has changed since its record.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from meissner.builds import toolchain
-from verify import benches, evidence, faults, formal, fuzz, mutants_page, readme, record, regress, sums
+from verify import benches, evidence, faults, formal, mutants_page, readme, record, sums
 from verify import due as due_of
 
 ROOT = toolchain.ROOT
@@ -31,11 +31,8 @@ KINDS = {  # {kind: its name}; a kind without a name has no column in the table 
     "formal": "proofs",
     "mutants": "mutants",
     "coverage": "coverage",
-    "powerup": "power-up",
     "faults": "faults",
     "equivalence": "netlist and reset",
-    "regress": "random regression",
-    "fuzz": None,
 }
 
 
@@ -43,8 +40,8 @@ class Step(NamedTuple):
     """One run of a tool for a kind of evidence."""
 
     kind: str
-    command: str  # in tools/; RUNS stands for 50 runs of each block
-    blocks: Callable[[], list[str]]  # the blocks that it gives evidence for; for fuzz, the readers
+    command: str  # in tools/
+    blocks: Callable[[], list[str]]  # the blocks that it gives evidence for
     jobs: bool = True  # whether it takes --jobs
     done: Callable[[dict], bool] = bool  # whether a block's facts contain its result
 
@@ -63,25 +60,19 @@ STEPS = (
     Step("formal", "formal.py --mutants 50", proven, done=broken),
     Step("mutants", "mutants.py", benches.blocks),
     Step("coverage", "cover.py", benches.blocks),
-    Step("powerup", "powerup.py", benches.blocks),
     Step("faults", "faults.py", faults.blocks, jobs=False),
     Step("equivalence", "equivalence.py", benches.blocks),
-    Step("regress", "regress.py RUNS", regress.blocks),
-    Step("fuzz", "fuzz.py", lambda: [*fuzz.TARGETS, fuzz.C_NAME], jobs=False),
 )
 STALE = "stale"
 MINUTES = 15  # default of --due --minutes
 WRITERS = {  # {kind: the module with its ``total``}, if that is not the tool with the kind's name
     **{"mutants": "verify.mutants_page", "coverage": "cover", "faults": "verify.faults"},
-    **{"regress": "verify.regress", "fuzz": "verify.fuzz"},
 }
 FAILED = {  # {kind: whether a block's facts contain a failure}
     "formal": lambda facts: any(row.get("failed") for row in facts["proofs"].values()),
     "coverage": lambda facts: sums.points([facts]).hit < sums.points([facts]).reachable,
-    "powerup": lambda facts: facts["builds"] and not facts["passed"],
     "faults": lambda facts: facts["silent"],
     "equivalence": lambda facts: not all(facts[key]["proven"] for key in sums.CELLS if key in facts),
-    "fuzz": lambda facts: facts["crashes"] or facts["hangs"] or facts["false"],
 }
 BOXES = f"with {readme.BOXES}"
 HEAD = """# Trust
@@ -92,11 +83,10 @@ since. The digest contains
 
 - the RTL of the block and of the blocks inside it, without comments;
 - what the block's test states for the kind (`EVIDENCE`);
-- for mutants, coverage, power-ups, faults and random regression: the block's test, the files of tb/ that it
+- for mutants, coverage and faults: the block's test, the files of tb/ that it
   imports, and the twin; for coverage also the block's other tests, its exclusions and its cover points;
 - for proofs: the harnesses and their entries in tb/formal/proofs.toml;
 - for faults: the driver and the converter models; for netlists: the models and maps of cells for Yosys;
-- for fuzzing: the reader's files, tools/verify/fuzz.py, and the files of tb/corpus/ that it mutates;
 - the pinned versions of Verilator, cocotb, Yosys, the solvers, NumPy and mcap, as far as the kind uses them.
 
 It does not contain the code of the evidence tools themselves (except the files just named), nor the versions
@@ -123,7 +113,7 @@ def split(told, kind):
 
 
 def failures(kind, told):
-    """Names of the blocks, or readers, whose current evidence of the kind is that something failed."""
+    """Names of the blocks whose current evidence of the kind is that something failed."""
     before = record.stale(told, kind)
     bad = FAILED.get(kind, lambda facts: False)
     return [name for name, facts in told["blocks"].items() if name not in before and bad(facts)]
@@ -140,8 +130,7 @@ def _counted(kind, told):
     current, before = split(told, kind)
     if not before:
         return told["total"]
-    noun = "reader" if kind == "fuzz" else "block"
-    words = f"{len(before)} {noun}{'s' * (len(before) > 1)} {STALE}, not counted"
+    words = f"{len(before)} block{'s' * (len(before) > 1)} {STALE}, not counted"
     if not current:
         return f"{KINDS.get(kind) or kind}: none current ({words})"
     return f"{sentence_of(kind)(current)} ({words})"
@@ -183,7 +172,6 @@ def left_out(recorded):
         f"kind for a block. {survived} survived; [mutants.md](mutants.md) lists them.",
         "coverage": f"{excluded:,} points are excluded, each with a reason in tb/coverage/waivers.toml. A "
         "test reached each covered point, but need not have checked it.",
-        "powerup": "Random starts are samples of the possible contents of the registers.",
         "faults": "One fault at a time is injected, at sampled places and clocks "
         "([faults.md](faults.md)). Until a block has recovered, its data may be wrong and unreported.",
         "equivalence": f"The netlists are proven {BOXES}: block RAM, LUT RAM and DSP cells are only "
@@ -191,8 +179,6 @@ def left_out(recorded):
         "with the same parameters. Each block is proven with one set of parameters; place and route is not "
         f"covered. For {bounded} blocks the reset is shown for a limited number of clocks only, for "
         f"{unproven} it is open ([equivalence.md](equivalence.md)).",
-        "regress": f"{len(facts('regress'))} of {listed} blocks take part, with random sizes and stimulus.",
-        "fuzz": "Inputs are random samples.",
     }
 
 
@@ -270,8 +256,7 @@ def run_due(kinds, jobs, minutes):
 
 def command_of(step, names, jobs):
     """The words of a step's command for the blocks ``names``; for all blocks if the list is empty."""
-    told = step.command.replace("RUNS", str(50 * len(names or step.blocks())))
-    return f"tools/{told}".split() + names + ["--record"] + step.jobs * ["--jobs", str(jobs)]
+    return f"tools/{step.command}".split() + names + ["--record"] + step.jobs * ["--jobs", str(jobs)]
 
 
 def run(step, names, jobs):

@@ -49,7 +49,7 @@ def test_it_is_read_without_an_import():
     }
 
 
-@pytest.mark.parametrize("tool", ["equivalence", "mutants", "faults", "powerup", "cover", "trust"])
+@pytest.mark.parametrize("tool", ["equivalence", "mutants", "faults", "cover", "trust"])
 def test_a_tool_refuses_what_a_block_states_wrongly(tool, change, monkeypatch, capsys):
     change("tb/common/test_fork.py", '"reference": {"moves": "a word to two"}', '"mutant": {}')
     module = __import__(tool)

@@ -8,7 +8,7 @@ import pytest
 
 import trust
 from meissner.builds import toolchain
-from verify import benches, fuzz, readers, readme, record, revision
+from verify import benches, readme, record, revision
 
 
 def test_the_pages_say_what_is_recorded():
@@ -77,12 +77,12 @@ def test_a_step_runs_for_the_blocks_that_are_named(tmp_path, monkeypatch):
         "import sys\nopen('asked', 'w').write(' '.join(sys.argv[1:]))\nsys.exit('fifo' in sys.argv)"
     )
     monkeypatch.setattr(trust, "ROOT", tmp_path)
-    step = trust.Step("kind", "kind.py RUNS", lambda: ["skid", "fork", "fifo"])
+    step = trust.Step("kind", "kind.py", lambda: ["skid", "fork", "fifo"])
     assert trust.run(step, ["skid", "fork"], 2) == []
-    assert (tmp_path / "asked").read_text() == "100 skid fork --record --jobs 2"
-    assert trust.run(step._replace(jobs=False), ["fifo"], 2) == ["tools/kind.py 50 fifo --record failed"]
-    assert (tmp_path / "asked").read_text() == "50 fifo --record"
-    assert trust.run(step, [], 1) == [] and (tmp_path / "asked").read_text() == "150 --record --jobs 1"
+    assert (tmp_path / "asked").read_text() == "skid fork --record --jobs 2"
+    assert trust.run(step._replace(jobs=False), ["fifo"], 2) == ["tools/kind.py fifo --record failed"]
+    assert (tmp_path / "asked").read_text() == "fifo --record"
+    assert trust.run(step, [], 1) == [] and (tmp_path / "asked").read_text() == "--record --jobs 1"
 
 
 def test_every_step_is_of_a_kind_and_every_kind_has_one():
@@ -130,68 +130,6 @@ def test_evidence_rests_on_all_that_it_was_made_with(change, file, text, other, 
         assert moved == set(stale.get(kind, "").split()), kind
 
 
-READERS = "decoder_python host host_pty config recordings calibration log decoder_c"
-IN_PYTHON = READERS.removesuffix(" decoder_c")
-LINE = "decoder_python host host_pty"
-
-# The change, and the readers whose fuzzing it makes stale.
-READ = [
-    ("model/meissner/twins/link/decoder.py", "return", "return 1 and", LINE),
-    ("model/meissner/twins/link/decoder.py", '"""', '""" ', ""),
-    ("model/meissner/host/line.py", "return", "return 1 and", "host host_pty"),
-    ("model/meissner/builds/stages/grip.py", "return", "return 1 and", "config"),
-    ("model/meissner/builds/configs/slip1.toml", "rate", "ratio", "config"),
-    ("model/meissner/files.py", "raise ValueError", "raise KeyError", "recordings calibration log"),
-    ("model/meissner/host/replay.py", "return", "return 1 and", "log"),
-    ("model/meissner/twins/slip/slip.py", " >= ", " > ", ""),
-    ("host/msn_packet.c", "return", "return 1 &&", "decoder_c"),
-    ("tb/host/packet_fuzz.c", "return", "return 1 &&", "decoder_c"),
-    ("tb/corpus/recordings/samples.csv", "1", "2", "recordings"),
-    ("tools/verify/fuzz.py", "SLOW_S = 5.0", "SLOW_S = 6.0", READERS),
-    ("tools/fuzz.py", "1_000_000", "2_000_000", ""),
-    ("requirements/sim.txt", "numpy==", "numpy==1", READERS),
-]
-
-
-@pytest.mark.parametrize(("file", "text", "other", "stale"), READ)
-def test_fuzzing_rests_on_reader_tool_and_corpus(change, file, text, other, stale):
-    before = {name: readers.digest(name) for name in READERS.split()}
-    assert len({*before.values()}) == len(before) - 1, "only host and host_pty have the same files"
-    change(file, text, other)
-    moved = {name for name in before if readers.digest(name) != before[name]}
-    assert moved == set(stale.split())
-
-
-def test_every_reader_has_its_files():
-    """Each pattern names a file; every module that the tool imports is a part of some reader."""
-    assert {*fuzz.TARGETS, fuzz.C_NAME} == set(READERS.split()) == {*readers.FILES, *readers.IN_C}
-    for reader, patterns in readers.FILES.items():
-        assert all([*toolchain.ROOT.glob(f"model/meissner/{pattern}")] for pattern in patterns), reader
-    listed = {path for reader in READERS.split() for path in readers.files_of(reader)}
-    tool = (toolchain.ROOT / readers.TOOL).read_text("utf-8")
-    model = toolchain.ROOT / "model"
-    for name in revision._imported(tool):
-        path = model / f"{name.replace('.', '/')}.py"
-        assert not path.exists() or path.stem == "toolchain" or path in listed, name
-    assert {*fuzz.SOURCES} <= listed and all(path.exists() for path in listed)
-
-
-def test_fuzzing_of_changed_readers_is_stale_and_due(tmp_path, monkeypatch):
-    monkeypatch.setattr(record, "FOLDER", tmp_path)
-    facts = {"cases": 5, "crashes": 0, "hangs": 0, "false": 0}
-    keep = lambda **new: record.merge("fuzz", "make fuzz", new, fuzz.summary, fuzz.total)
-    keep(config=facts, log=facts | {"of": "before"})
-    told = json.loads(keep(host=facts | {"crashes": 1}).read_text())
-    assert told["blocks"]["config"]["of"] == readers.digest("config")
-    assert record.stale(told, "fuzz") == ["log"]
-    assert trust.total("fuzz", told) == (
-        "10 fuzzed inputs to 2 readers, no crash, hang or false packet (1 reader stale, not counted); "
-        "**not passed: host**"
-    )
-    [step] = [step for step in trust.STEPS if step.kind == "fuzz"]
-    assert sorted(trust.due(step)) == sorted({*READERS.split()} - {"config", "host"})
-
-
 @pytest.mark.parametrize(
     ("kind", "good", "bad"),
     [
@@ -201,11 +139,6 @@ def test_fuzzing_of_changed_readers_is_stale_and_due(tmp_path, monkeypatch):
             {"proofs": {"a": {"failed": 0}, "b": {"failed": 1}}},
         ),
         ("coverage", {"of": "x", "line": [5, 5, 1]}, {"line": [5, 5, 0], "toggle": [4, 5, 0]}),
-        (
-            "powerup",
-            {"builds": 0, "passed": False, "seeds": 0},
-            {"builds": 2, "passed": False, "seeds": 20},
-        ),
         ("faults", {"silent": 0}, {"silent": 2}),
         (
             "equivalence",
