@@ -14,6 +14,7 @@ def settings():
 
 
 FIELDS = {(g.name, r.name, f.name): f for g in GROUPS for r in g.registers for f in r.fields}
+ADDRESSES = {f"{g.name}.{r.name}": r.address for g in GROUPS for r in g.registers}
 WIDTHS = {f.held_to: f.width for f in FIELDS.values() if f.held_to}  # the most bits a build can have
 RESET_BITS = sum(field.width for _, _, field in settings())
 
@@ -59,6 +60,25 @@ def members(name):
     }
 
 
+def words(name, values, widths):
+    """{address: word} that writes {member: value} to registers of a group that have one field.
+
+    ``widths``: as in ``reset_word``; ValueError for a value that does not fit them.
+    """
+    given = {member: field for member, field in members(name).items() if member in values}
+    return {
+        ADDRESSES[f"{name}.{member}"]: _bits(f"{name}.{member}", values[member], field, widths)
+        for member, field in given.items()
+    }
+
+
+def _bits(name, value, field, widths):
+    least, most = field.ends(widths[field.held_to] if field.held_to else None)
+    if not least <= value <= most:
+        raise ValueError(f"{name} = {value} is wider than the core has bits for")
+    return value & field.most
+
+
 def struct_word(name, values, widths):
     """The packed struct of a group, one without strobes and commands, with {member: value}, as a number.
 
@@ -66,10 +86,7 @@ def struct_word(name, values, widths):
     """
     word = 0
     for member, field in members(name).items():
-        least, most = field.ends(widths[field.held_to] if field.held_to else None)
-        if not least <= values[member] <= most:
-            raise ValueError(f"{name}.{member} = {values[member]} is wider than the core has bits for")
-        word = word << field.width | values[member] & field.most
+        word = word << field.width | _bits(f"{name}.{member}", values[member], field, widths)
     return word
 
 
