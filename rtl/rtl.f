@@ -55,7 +55,6 @@ rtl/slip/msn_slip_serial.sv
 rtl/slip/msn_slip_flags.sv
 rtl/slip/msn_slip_path.sv
 rtl/slip/msn_slip_chain.sv
-rtl/slip/msn_channels.sv
 rtl/slip/msn_shear_speed.sv
 rtl/slip/msn_shear_speeds.sv
 rtl/cop/msn_cop_accumulate.sv

@@ -20,10 +20,10 @@ SAVED = "model/meissner/scenes/saved.json"  # the source of ``saved``
 TOOLS = {
     "constants": ("constants", None),
     "grip": ("grip", None),
-    "engines": ("bench_engines", "msn_channels"),
-    "jitter": ("jitter", "msn_channels"),
+    "engines": ("bench_engines", "msn_core"),
+    "jitter": ("jitter", "msn_core"),
     "mesh": ("mesh_figures", None),
-    "recordings": ("recordings", "msn_channels"),
+    "recordings": ("recordings", "msn_core"),
     "soak": ("soak_link", "msn_link"),
 }
 opened = set()
