@@ -127,7 +127,7 @@ class Registers:
             given = self.resets >> at & field.most
             self._written[key], self._seen[key] = given, self._held(key, given)
             at += field.width
-        self.pending = {group.name: False for group in GROUPS if group.at_frame}
+        self._waits = False  # a setting was written that takes effect at a frame's start
 
     def _held(self, key, bits):
         return held(FIELDS[key], bits, self.widths)
@@ -168,16 +168,22 @@ class Registers:
                 pulses.add(key)
             elif field.kind == "setting":
                 self._written[key] = (self._written[key] & ~kept) | (given & kept)
-                if group.at_frame:
-                    self.pending[group.name] = True
+                if register.applies == "at_frame":
+                    self._waits = True
                 else:
                     self._seen[key] = self._held(key, self._written[key])
         return False, pulses
 
-    def commit(self, name):
-        """A frame boundary: the pending settings of one group take effect."""
-        self._seen |= {key: self._held(key, value) for key, value in self._written.items() if key[0] == name}
-        self.pending[name] = False
+    @property
+    def pending(self):
+        """Whether a frame's start would change a setting."""
+        return self._waits and not self.setting("core", "hold")
+
+    def commit(self):
+        """A frame's start: all settings that wait for it take effect, unless the host holds them."""
+        if not self.setting("core", "hold"):
+            self._seen = {key: self._held(key, value) for key, value in self._written.items()}
+            self._waits = False
 
     def setting(self, group, register, field="value"):
         """The value that the core sees, as wide as the map's field."""
