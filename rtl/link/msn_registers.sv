@@ -108,8 +108,9 @@ module msn_registers #(
                                     Row.held == msn_registers_pkg::Timer  ? TimerBits :
                                     Row.held == msn_registers_pkg::Load   ? LoadBits :
                                     Row.held == msn_registers_pkg::Offset ? OffsetBits : Width;
-    localparam bit Waits = Row.kind == msn_registers_pkg::Setting && Row.applies == msn_registers_pkg::AtFrame;
-    assign here[n]   = Has[Row.group] && word == Row.word;
+    localparam bit On    = Has[Row.group];
+    localparam bit Waits = Row.kind == msn_registers_pkg::Setting && Row.applies == msn_registers_pkg::AtFrame && On;
+    assign here[n]   = On && word == Row.word;
     assign able[n]   = Row.kind == msn_registers_pkg::Setting || Row.kind == msn_registers_pkg::Command;
     assign delays[n] = Waits && write && here[n];
 
@@ -117,12 +118,20 @@ module msn_registers #(
       localparam logic [Width-1:0] Reset = Resets[Row.value+:Width];
       logic [Width-1:0] bits, fits;
       assign bits = written[Row.value+:Width];
-      assign fits = Width'(fit(Row.is_signed ? 32'(signed'(bits)) : 32'(bits), Row.is_signed, Bits));
-      always_ff @(posedge clk_i) begin
-        if (write && here[n]) begin
-          written[Row.value+:Width] <= (bits & ~mask[Low+:Width]) | (bus_wdata_i[Low+:Width] & mask[Low+:Width]);
+      if (Bits == Width) begin : gen_whole
+        assign fits = bits;
+      end else begin : gen_held
+        assign fits = Width'(fit(Row.is_signed ? 32'(signed'(bits)) : 32'(bits), Row.is_signed, Bits));
+      end
+      if (On) begin : gen_on
+        always_ff @(posedge clk_i) begin
+          if (write && here[n]) begin
+            written[Row.value+:Width] <= (bits & ~mask[Low+:Width]) | (bus_wdata_i[Low+:Width] & mask[Low+:Width]);
+          end
+          if (rst_i) written[Row.value+:Width] <= Reset;
         end
-        if (rst_i) written[Row.value+:Width] <= Reset;
+      end else begin : gen_off
+        assign written[Row.value+:Width] = Reset;
       end
       if (Waits) begin : gen_committed
         always_ff @(posedge clk_i) begin
@@ -135,7 +144,7 @@ module msn_registers #(
       end else begin : gen_at_once
         assign cfg[Place+:Width] = fits;
       end
-      assign told[32*n+:32] = 32'(fits) << Low;
+      assign told[32*n+:32] = On ? 32'(fits) << Low : '0;
     end else if (Row.kind == msn_registers_pkg::Command) begin : gen_command
       always_ff @(posedge clk_i) cfg[Place] <= !rst_i && write && here[n] && mask[Low] && bus_wdata_i[Low];
       assign told[32*n+:32] = '0;
@@ -143,7 +152,7 @@ module msn_registers #(
       always_ff @(posedge clk_i) cfg[Place] <= !rst_i && write && here[n];
       assign told[32*n+:32] = '0;
     end else if (Row.kind == msn_registers_pkg::Status) begin : gen_status
-      assign told[32*n+:32] = 32'(status[Place+:Width]) << Low;
+      assign told[32*n+:32] = On ? 32'(status[Place+:Width]) << Low : '0;
     end else begin : gen_constant
       assign told[32*n+:32] = Row.kind == msn_registers_pkg::Features ? 32'(Features) :
                               Row.kind == msn_registers_pkg::Widths   ? 32'(Bits) << Low : Row.value << Low;
@@ -160,16 +169,17 @@ module msn_registers #(
   end
 
   // Decoding takes one clock, the word another.
-  logic        hit, writable;
+  logic        asked, wrote, odd, hit, writable;
   logic [31:0] read_word;
   assign hit      = here_q != '0;
   assign writable = (here_q & able) != '0;
   always_comb begin
     read_word = '0;
-    for (int unsigned n = 0; n < Rows; n++) read_word |= {32{here_q[n]}} & told[32*n+:32];
+    if (asked && !wrote && !odd) begin
+      for (int unsigned n = 0; n < Rows; n++) read_word |= {32{here_q[n]}} & told[32*n+:32];
+    end
   end
 
-  logic asked, wrote, odd;
   always_ff @(posedge clk_i) begin
     here_q      <= here;
     asked       <= bus_valid_i;
@@ -177,7 +187,7 @@ module msn_registers #(
     odd         <= bus_address_i[1:0] != 2'd0;
     bus_done_o  <= asked;
     bus_error_o <= !hit || odd || (wrote && !writable);
-    bus_rdata_o <= (wrote || odd) ? 32'd0 : read_word;
+    bus_rdata_o <= read_word;
     if (rst_i) begin
       asked      <= 1'b0;
       bus_done_o <= 1'b0;
