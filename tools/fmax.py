@@ -66,17 +66,15 @@ def demod_entries():
 
 
 def cop_entries():
-    """Entries of msn_cop by fraction bits and quotient bits per clock; also pipelined at Q2.14."""
-    for bits, pipelined in ((4, 0), (14, 0), (20, 0), (14, 1)):
+    """Entries of msn_cop by fraction bits and quotient bits per clock."""
+    for bits in (4, 14, 20):
         for per_clock in (1, 2):
             digits = bits + 1 if per_clock == 1 else (bits + 3) // 2
             size = {"Rows": 64, "Columns": 64, "FractionBits": bits, "BitsPerClock": per_clock}
-            name = f"cop-64x64-q{bits}-{'pipe' if pipelined else 'turn'}{per_clock}"
-            targets = "ecp5" if pipelined else "ecp5 up5k"  # the pipelined divider does not fit the UP5K
-            yield name, ("msn_cop", size | {"Pipelined": pipelined}, 3 + digits, targets)
+            yield f"cop-64x64-q{bits}-turn{per_clock}", ("msn_cop", size, 3 + digits, "ecp5 up5k")
 
 
-# The slip chain of a core. One rubber sensor at 12 MHz: thresholds and times fixed at build time, the counters left open.
+# The slip chain of a core. One rubber sensor at 12 MHz: thresholds and times tied, the counters left open.
 SLIP_TIED = {"cop_valid_i": 0, "cop_i": 0}
 SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
 SLIP1_SETTINGS = {name: 0 for name in members("slip")} | {
@@ -96,7 +94,9 @@ SLIP1_CORE = SLIP1 | {
     "Resets": f"{RESET_BITS}'h{reset_word(SLIP1_RESETS):x}",
 }
 CORE_TIED = {
-    **dict.fromkeys(("adc_busy_i", "actuator_moving_i", "in_valid_i", "in_data_i", "in_id_i", "in_last_i"), 0),
+    **dict.fromkeys(
+        ("adc_busy_i", "actuator_moving_i", "in_valid_i", "in_data_i", "in_id_i", "in_last_i"), 0
+    ),
     **dict.fromkeys(("bus_valid_i", "bus_write_i", "bus_address_i", "bus_wdata_i", "bus_strobe_i"), 0),
     **{"rx_i": 1, "out_ready_i": 1, "verdict_o": None, "decision_o": None, "in_ready_o": None},
 }

@@ -20,7 +20,6 @@ module msn_cop_array #(
   parameter  int unsigned GainShift    = RowColumn ? 24 : 12,
   parameter  int unsigned FractionBits = 14,
   parameter  int unsigned BitsPerClock = 2,
-  parameter  bit          Pipelined    = 1'b0,
   parameter  bit          Tap          = 1'b0,
   localparam int unsigned IdBits       = msn_pkg::index_width(Rows * ((Columns + Lanes - 1) / Lanes)),
   localparam int unsigned OffsetBits   = SampleBits - 32'(RowColumn),
@@ -118,8 +117,7 @@ module msn_cop_array #(
   end
 
   msn_cop #(
-    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock),
-    .Pipelined(Pipelined)
+    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock)
   ) u_cop (
     .clk_i, .rst_i,
     .cfg_min_load_i,

@@ -1,6 +1,6 @@
-"""msn_core from the pins of a real converter to each decision on its port, with part models that check their timing:
-the decisions are the twin's for the codes that the part converted, each within 0.2 ms + 1 us of the sample that
-crosses the threshold, on the first channel and on the last, at 10 kHz. A long period is as long as its highest bit."""
+"""msn_core from the pins of a real converter to each decision on its port, with part models that check their
+timing: the decisions are the twin's for the codes that the part converted, each within 0.2 ms + 1 us of the
+sample that crosses the threshold, on the first channel and on the last, at 10 kHz. A long period is long."""
 
 import cocotb
 import numpy as np

@@ -9,7 +9,6 @@ module formal_cop_divide #(
   parameter  int unsigned Columns      = 64,
   parameter  int unsigned FractionBits = 14,
   parameter  int unsigned BitsPerClock = 2,
-  parameter  bit          Pipelined    = 1'b0,
   localparam int unsigned SumBits      = 16 + $clog2(Rows * Columns),
   localparam int unsigned MxBits       = SumBits + msn_pkg::index_width(Columns),
   localparam int unsigned MyBits       = SumBits + msn_pkg::index_width(Rows),
@@ -29,8 +28,7 @@ module formal_cop_divide #(
   logic signed [CopBits-1:0] out_x_o, out_y_o;
   logic        [SumBits-1:0] out_load_o;
   msn_cop_divide #(
-    .Rows(Rows), .Columns(Columns), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock),
-    .Pipelined(Pipelined)
+    .Rows(Rows), .Columns(Columns), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock)
   ) dut (.*);
 
   localparam int unsigned Wide = MxBits + MyBits;
