@@ -6,6 +6,8 @@
 // `signed'()` where docs/registers.md has one. Then the table of all fields, and the settings' reset values
 // as one number, the first setting lowest.
 
+// Most blocks use the structs only.
+// verilator lint_off UNUSEDPARAM
 package msn_registers_pkg;
 
   typedef struct packed {
@@ -480,8 +482,6 @@ package msn_registers_pkg;
   };
 
   localparam int unsigned ResetBits = 1339;
-  // A default: builds that give their own values do not use it.
-  // verilator lint_off UNUSEDPARAM
   localparam logic [ResetBits-1:0] Reset = {
     250'h640000c000001ff000020c80147ae0ccccd019999a9175dd70813d70a,  // shear_speed
     210'h403ffc0000000000000281001d4c00800000002001e8480,  // grip
@@ -497,6 +497,6 @@ package msn_registers_pkg;
     25'h0,  // adc
     33'h0  // core
   };
-  // verilator lint_on UNUSEDPARAM
 
 endpackage
+// verilator lint_on UNUSEDPARAM

@@ -215,6 +215,8 @@ PACKAGE = """
 // `signed'()` where docs/registers.md has one. Then the table of all fields, and the settings' reset values
 // as one number, the first setting lowest.
 
+// Most blocks use the structs only.
+// verilator lint_off UNUSEDPARAM
 package msn_registers_pkg;
 
 {structs}
@@ -262,14 +264,12 @@ package msn_registers_pkg;
   }};
 
   localparam int unsigned ResetBits = {width};
-  // A default: builds that give their own values do not use it.
-  // verilator lint_off UNUSEDPARAM
   localparam logic [ResetBits-1:0] Reset = {{
 {resets}
   }};
-  // verilator lint_on UNUSEDPARAM
 
 endpackage
+// verilator lint_on UNUSEDPARAM
 """
 
 
