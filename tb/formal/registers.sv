@@ -46,6 +46,8 @@ module formal_registers #(
   logic [31:0] mask;
   assign odd   = bus_address_i[1:0] != 2'd0;
   assign write = bus_valid_i && bus_write_i && !odd;
+  logic        commit;
+  assign commit = commit_i && !cfg_o.core.hold;
   assign mask  = {{8{bus_strobe_i[3]}}, {8{bus_strobe_i[2]}}, {8{bus_strobe_i[1]}}, {8{bus_strobe_i[0]}}};
 
   // An access, one clock and two clocks after its request.
@@ -97,8 +99,7 @@ module formal_registers #(
 `include "registers_map.svh"
 
   // A write of any setting that waits is pending until a commit, unless the host holds it.
-  logic commit, waits;
-  assign commit = commit_i && !cfg_o.core.hold;
+  logic waits;
   always_ff @(posedge clk_i) begin
     if (commit) waits <= 1'b0;
     if ((written & Waiting) != '0) waits <= 1'b1;
