@@ -67,7 +67,7 @@ test:  ## run lint, the twins' tests and all cocotb regressions
 test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes, more builds, netlists
 	@MEISSNER_COCOTB=plain $(BIN)/python -m pytest -n $(JOBS) --timeout 7200 -o faulthandler_timeout=7260 -m "long or big"
 
-test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
+test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can run them (tb/harness/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link tb/actuate
 
 fuzz: $(SIM)  ## give a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json

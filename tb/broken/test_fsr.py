@@ -93,23 +93,6 @@ def converted(monkeypatch, break_it):
     monkeypatch.setattr(of_matrix._World, "codes", codes)
 
 
-def test_every_metric_is_turned_below(sound):
-    assert set(sound) == POSITION | LOAD | DEAD | EVEN | {
-        "below_min_load",
-        "over_range",
-        *(f"each {key}" for key in ("circuit", "unselected", "ghost", "pressed_spread")),
-    }
-    assert list(zip(sound["each circuit"], sound["each unselected"])) == WAYS
-    assert (sound["dead"], sound["dead_as_injected"], sound["over_range"], sound["below_min_load"]) == (
-        11,
-        True,
-        0,
-        0,
-    )
-    assert words(sound["dead_found"], "cells") == "11 of 11 cells (100 %, 95 % interval 71.5 to 100 %)"
-    assert (sound["dead_falsely"]["count"], sound["dead_falsely"]["runs"]) == (0, 109)
-
-
 def test_a_shifted_centre(monkeypatch, turned):
     """Shifted by 0.06 and -0.08 of the half range: 0.05 of the range."""
     readings(monkeypatch, lambda total, x, y, valid: (total, x + 0.06, y - 0.08, valid))

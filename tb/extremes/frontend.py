@@ -579,9 +579,7 @@ def forces_(see, row_column):
     top = 2**16 - 1 if gain_bits == 16 else (2**16 - 1) ** 2
 
     def check(raws, offset, gain, shift, bits):
-        got = calibrate.forces(
-            raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits
-        ).tolist()
+        got = calibrate.forces(raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits).tolist()
         for raw, force in zip(raws, got):
             value = Fraction((raw - offset) * gain, 2**shift)
             place = f"({raw} - {offset}) {gain} / 2^{shift}, {bits} bits"
@@ -630,7 +628,7 @@ def calibrate_(see):
         forces_(see, bool(row_column))
 
         def room(SampleBits, GainShift, Offset, **_):
-            return SampleBits + Offset <= 18 and SampleBits + Offset + gain_bits + 1 - GainShift >= 16  # noqa: B023
+            return SampleBits + Offset <= 18 and SampleBits + Offset + gain_bits + 1 - GainShift >= 16
 
         sizes = {"SampleBits": [13, 17, 18], "GainShift": [1, gain_bits], "Lanes": [1, 8], "Offset": [0, 1]}
         see.elaborates("calibrate", see.covering(room, RowColumn=[row_column], **sizes))

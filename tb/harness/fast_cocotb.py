@@ -4,8 +4,9 @@ A bench awaits an edge and the settled values in every clock, and reads and writ
 times each in a long one. Half of that time went into checks for cocotb's debug log and profile, into the
 objects made for them, and into turning 0 and 1 into Logic values and these into characters. Each function
 here handles the plain case (an integer is deposited, a coroutine awaits; no log, no profile) like the cocotb
-function that its docstring names, and passes all other cases to that function. tb/common/test_quick.py checks
-that the sources of those functions are the known version. MEISSNER_COCOTB=plain switches all of it off.
+function that its docstring names, and passes all other cases to that function.
+tb/common/test_fast_cocotb.py checks that the sources of those functions are the known version.
+MEISSNER_COCOTB=plain switches all of it off.
 """
 
 import gc

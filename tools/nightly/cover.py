@@ -1,6 +1,6 @@
 """Coverage: which points of a block and of its twin the block's own tests reach.
 
-The tests run in builds with coverage counters (tb/runner.py). The counts are merged by source point over all
+The tests run in builds with coverage counters (tb/harness/runner.py). The counts are merged by source point over all
 instances and parameter sets; tb/coverage/waivers.toml leaves points out, each with a reason. A point that was
 not reached, a waiver that has no reason, was hit after all or matches nothing, and more waived points than
 tb/limits.toml allows break the limit.
@@ -189,7 +189,7 @@ def run(block, limits, jobs=1):
     }
     spread = ["-n", str(jobs), "--dist", "worksteal"] if jobs > 1 else ["-p", "no:xdist"]
     tests = [path.relative_to(ROOT).as_posix() for path in evidence.tests_of(block)]
-    command = [sys.executable, "-m", "pytest", *spread, *tests, "-m", "not long"]
+    command = [sys.executable, "-m", "pytest", *spread, *tests, "-m", "not long", "--timeout", "7200"]
     failed = subprocess.run(command, cwd=ROOT, env=environment).returncode
     paths, traces = sorted(folder.glob("counts/*/*.dat")), sorted(folder.glob("python/data*"))
     if not paths or not traces:

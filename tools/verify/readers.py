@@ -20,7 +20,14 @@ FILES = {  # {reader: patterns of its files in model/meissner}
     ),
     "recordings": ARRAYS,
     "calibration": ARRAYS,
-    "log": ("files.py", "host/log.py", "host/replay.py", "host/ros.py", "host/spool.py", "host/table.py"),
+    "log": (
+        "files.py",
+        "host/log.py",
+        "host/replay.py",
+        "host/ros.py",
+        "host/unfinished_log.py",
+        "host/table.py",
+    ),
 }
 IN_C = {"decoder_c": ("host/msn_packet.c", "host/msn_packet.h", "tb/host/packet_fuzz.c")}
 CORPUS = {name: "packets" for name in ("decoder_python", "host", "host_pty", "decoder_c")}
