@@ -3,6 +3,7 @@ newtons, refusals, typed packets and images. Then faults of the line: the cable 
 packet, a core that was reset, lost commands and answers, noise, another baud rate, a core without registers,
 one of another version."""
 
+import contextlib
 import os
 import time
 from itertools import count
@@ -190,9 +191,33 @@ def test_a_simulated_core_holds_what_another_host_writes():
     core["slip.threshold"], core["cop.min_load"], core["slip.contact_level"] = 262_444, 2**31, -200_000
     assert (core["slip.threshold"], core["cop.min_load"]) == (262_143, 1_048_575)
     assert core["slip.contact_level"] == -131_072
-    model.boundary("slip")
+    model.boundary()
     config = model.slip_config()
     assert (config.threshold, config.contact_level) == (262_143, -131_072)
+
+
+def test_settings_written_together_take_effect_with_one_frame():
+    """Between any two of the writes a frame begins; the settings of before hold until the block ends."""
+    model = simulated(size=(3, 3))
+    core = connected(model)
+    seen = lambda: (model.slip_config().threshold, model.slip_config().hold)
+    core["slip.threshold"], core["slip.hold"] = 40, 3
+    model.boundary()
+    for end in (None, KeyError):
+        core["slip.hold"] = 3
+        model.boundary()
+        before = seen()
+        with contextlib.suppress(KeyError), core.together():
+            core["slip.threshold"] += 10
+            model.boundary()
+            core["slip.hold"] = 7
+            model.boundary()
+            assert seen() == before and core["slip.hold"] == 7
+            if end:
+                raise end
+        assert seen() == before
+        model.boundary()
+        assert seen() == (before[0] + 10, 7)
 
 
 def test_bits_that_no_field_has_are_refused():
