@@ -96,7 +96,9 @@ class Health(Source):
         return [now, p.health(taxel, faults)]
 
     def ready(self):
-        self.offer[0] = bench.read(getattr(self.dut, "now_i" if hasattr(self.dut, "now_i") else "now_o"))  # a report has the time at which it is taken
+        self.offer[0] = bench.read(
+            getattr(self.dut, "now_i" if hasattr(self.dut, "now_i") else "now_o")
+        )  # a report has the time at which it is taken
         return self.dut.health_ready_o.value == 1
 
 

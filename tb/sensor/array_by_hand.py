@@ -51,7 +51,9 @@ class Stream:
                     taken = []
             if read("cop_valid_o"):
                 cop = members.of("cop", read("cop_o"))
-                self.results.append((*(bench.as_signed(cop[k], 24) for k in "xy"), cop["load"], cop["pressed"]))
+                self.results.append(
+                    (*(bench.as_signed(cop[k], 24) for k in "xy"), cop["load"], cop["pressed"])
+                )
 
     async def send(self, *frames, ends=None):
         """``ends``: how many beats of each frame are sent, the last one marked."""

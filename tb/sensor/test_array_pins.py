@@ -228,7 +228,13 @@ async def begin(dut, limits=None, load=True):
         for lane in range(table.lanes):
             gain = int(rng.integers(1 << 10, 1 << 13))
             table.write(word, OFFSET, gain, slice(lane, lane + 1))
-            entry = {"word": word, "gain": gain, "offset": OFFSET, "write_lanes": 1 << lane, "write_written": 1}
+            entry = {
+                "word": word,
+                "gain": gain,
+                "offset": OFFSET,
+                "write_lanes": 1 << lane,
+                "write_written": 1,
+            }
             settings.put(**{f"calibrate_{name}": value for name, value in entry.items()})
             await RisingEdge(dut.clk_i)
     settings.put(calibrate_write_written=0)

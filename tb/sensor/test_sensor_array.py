@@ -164,7 +164,15 @@ EVIDENCE = {
     "mutants": {"sets": [1], "limit": 60, "unsolved": True},
     "faults": {"size": {"Adc": 1}, "settle": 4, "kept_inside": {"u_calibrate": "calibrate"}},
 }
-WHOLE = {"Rows": ROWS, "Columns": COLUMNS, "Converters": LANES, "Health": 1, "Tare": 1, "TareLog2": 2, "Tap": 1}
+WHOLE = {
+    "Rows": ROWS,
+    "Columns": COLUMNS,
+    "Converters": LANES,
+    "Health": 1,
+    "Tare": 1,
+    "TareLog2": 2,
+    "Tap": 1,
+}
 BARE = {"Rows": ROWS, "Columns": COLUMNS, "Converters": LANES, "Tap": 0}
 SCAN = {"Adc": MCP3208.number, "Rows": 2, "Columns": 3, "AdcChannels": 3, "ClkKhz": 16_000, "SclkKhz": 2000}
 CARRIER = {"Adc": MAX11125.number, "Rows": 2, "Columns": 3, "Demod": 1, "AdcChannels": 1, "ClkKhz": 100_000}

@@ -71,9 +71,7 @@ class ScanDemod:
         demod = 5 + self.converters * bound
         hold = self.span + self.adc.hold_clocks()
         cycle = self.span + self.adc.cycle_clocks() + demod
-        return Scan(
-            *(self.rows, self.columns, 1, self.converters, hold, cycle), sample_bits=self.sample_bits
-        )
+        return Scan(*(self.rows, self.columns, 1, self.converters, hold, cycle), sample_bits=self.sample_bits)
 
     def levels(self, samples, user=None):
         """(amplitude, over-range) [...] of bursts of signed samples [..., count]."""
