@@ -166,12 +166,12 @@ GLUE = {
     "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("chain.offered")},
 }
 
-# A setting arrives at cfg_<its name>_i of its group's block, or in a struct, except these, which arrive elsewhere or
-# through glue.
+# A setting arrives at cfg_<its name>_i of its group's block, or in a struct, except these, which arrive
+# elsewhere or through glue.
 OWN = {"adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
 ELSEWHERE = {f"cop4.p{n}.value": f"cop4.cfg_p_i[{18 * n + 17}:{18 * n}]" for n in range(6)}
 IN_STRUCTS = {"slip": "slip_cfg."} | {
-    name: f"given.{name}_" for name in "scan health tare calibrate cop".split()
+    name: f"given.{name}_" for name in ["scan", "health", "tare", "calibrate", "cop"]
 }
 OF_GLUE = ("core.scratch.value", "link.images.value")
 

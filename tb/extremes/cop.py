@@ -7,9 +7,9 @@ import numpy as np
 
 from meissner.twins.cop import cop, cop4, cop_accumulate, cop_divide, cop_slip
 from meissner.twins.cop.cop4_correct import CorrectionRegisters, cop4_correct
+from meissner.twins.sensor.array_forces import ArrayForces
 from reference import exact
 from verify.extremes import row
-from meissner.twins.sensor.array_forces import ArrayForces
 
 TOP = 65535
 SIDES = [1, 2, 3, 63, 64, 65, 1023, 1024]

@@ -628,7 +628,7 @@ def calibrate_(see):
         forces_(see, bool(row_column))
 
         def room(SampleBits, GainShift, Offset, **_):
-            return SampleBits + Offset <= 18 and SampleBits + Offset + gain_bits + 1 - GainShift >= 16  # noqa: B023
+            return SampleBits + Offset <= 18 and SampleBits + Offset + gain_bits + 1 - GainShift >= 16
 
         sizes = {"SampleBits": [13, 17, 18], "GainShift": [1, gain_bits], "Lanes": [1, 8], "Offset": [0, 1]}
         see.elaborates("calibrate", see.covering(room, RowColumn=[row_column], **sizes))

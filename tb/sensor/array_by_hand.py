@@ -1,5 +1,5 @@
-"""msn_sensor_array with frames on the stream, eight lanes wide, against numbers worked out by hand: 3 rows of 16
-columns.
+"""msn_sensor_array with frames on the stream, eight lanes wide, against numbers worked out by hand: 3 rows of
+16 columns.
 
 Each lane's taxel is made dead, railed and blinking in turn, alone and beside taxels that are not, and must be
 reported in the frame that docs/array.md states. Frames too short and too long must be counted and give no

@@ -17,7 +17,6 @@ from meissner.twins.frontend.health import Limits
 from meissner.twins.sensor.sensor_array import from_reset, sensor_array
 from sensor import array_by_hand
 
-
 ROWS, COLUMNS, LANES = 3, 4, 2
 LIMITS = Limits(
     band=30, jump=700, low=5, high=4000, over_range_enable=True, edges=False, still=40, rail=2, blink=9
@@ -126,7 +125,7 @@ async def everything_is_the_models(dut, pace):
 @bench.applies(lambda dut: number(dut, "Adc"))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def frames_of_a_scan_have_their_first_convert_start(dut):
-    """The stream is ignored. The data line is high: codes of all ones, which as a carrier have no amplitude."""
+    """The stream is ignored. The data line is high: codes of all ones, as a carrier without amplitude."""
     names = "now pending busy adc_busy in_data in_id in_last"
     settings = members.Settings(dut, "cfg", scan_settle=5, calibrate_preset=4096)
     given = {f"{name}_i": 0 for name in names.split()} | {"adc_miso_i": 1, "in_valid_i": 1}

@@ -1,11 +1,13 @@
-"""The latency of a scanned array, term by term: the twins' clock counts, measured in tb/sensor/test_array_pins.py."""
+"""The latency of a scanned array, term by term: clock counts of the twins, measured in
+tb/sensor/test_array_pins.py.
+"""
 
 from meissner.budget.terms import table
-from meissner.twins.sensor.sensor_array import Array
 from meissner.twins.frontend.adc_spi import PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
+from meissner.twins.sensor.sensor_array import Array
 
 BUDGET_S = 1e-3
 LANES = (1, 2, 4, 8)
