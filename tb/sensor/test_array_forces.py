@@ -1,7 +1,7 @@
 """msn_array_forces against its model, with all stages and without any, per taxel and by row and column, one
 to eight lanes: forces taxel by taxel, centres of pressure, reports and counts, of complete and damaged
-frames, with gaps and stalls; commands to the stages between two frames; the clocks of every frame; the minimum load;
-resets."""
+frames, with gaps and stalls; commands to the stages between two frames; the clocks of every frame; the
+minimum load; resets."""
 
 import random
 
