@@ -13,8 +13,6 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
-from meissner.twins.cop.array import Array
-from meissner.twins.cop.cop_array import CopArray
 
 import bench
 import members
