@@ -78,7 +78,7 @@ EVIDENCE = {
         "defined": True,
         "reset": {"clocks": 2, "alike": True, "reset": "restart_i"},
     },
-    "faults": {"inside": ["calibrate_taxels", "u_beats."]},
+    "faults": {"inside": ["calibrate", "u_beats."]},
 }
 
 

@@ -268,7 +268,7 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     sources = {f"adc.{name}": getattr(spi, f"{name}_o") for name in names}
     sources["slip.damaged"] = path.gen_parallel.u_frame_filter.damaged_o
     sources["slip.blanked"] = path.gen_parallel.u_slip.blanked_o
-    sources["link.rejected"] = dut.u_link.gen_link.u_link.gen_registers.u_bridge.rejected_o
+    sources["link.rejected"] = dut.u_link.gen_registers.u_bridge.rejected_o
     places = {"adc.dropped": 0, "adc.overrun": 1, "adc.timeout": 2, "slip.damaged": 3, "slip.blanked": 4}
     await pins.counters_are_their_own(core.host, sources, places | {"link.rejected": 7})
 

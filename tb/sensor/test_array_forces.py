@@ -1,6 +1,7 @@
-"""msn_array_forces against its model, with all stages and without any, per taxel and by row and column, one to
-eight lanes: forces taxel by taxel, centres of pressure, reports and counts, of complete and damaged frames, with
-gaps and stalls; commands to the stages between two frames; the clocks of every frame; the minimum load; resets."""
+"""msn_array_forces against its model, with all stages and without any, per taxel and by row and column, one
+to eight lanes: forces taxel by taxel, centres of pressure, reports and counts, of complete and damaged
+frames, with gaps and stalls; commands to the stages between two frames; the clocks of every frame; the
+minimum load; resets."""
 
 import random
 
@@ -246,8 +247,8 @@ async def matches_model(dut, stall_rate):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def the_first_tare_begins_with_the_preset_gains(dut):
-    """With at_start, in spite of a contact, when the preset gains are in use; a write by the host until then is
-    lost."""
+    """With at_start, in spite of a contact, when the preset gains are in use; a write by the host until then
+    is lost."""
     line = await Line().begin(dut)
     line.settings.put(tare_at_start=1)
     await bench.reset(dut)
@@ -283,8 +284,8 @@ async def a_load_counts_from_the_gate_on(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
-    """Each frame alone: from its last beat to its centre of pressure, the same in every frame. With Tap a beat
-    comes when the previous one's taxels have left."""
+    """Each frame alone: from its last beat to its centre of pressure, the same in every frame. With Tap a
+    beat comes when the previous one's taxels have left."""
     line = await Line().begin(dut)
     twin, beats = line.twin, line.frames(3)
     stated = sum(twin.steps.values())

@@ -36,7 +36,7 @@ from verify.pairs import covering
 
 FOLDER = toolchain.ROOT / "tb/extremes"
 TOPS = {  # blocks without a stated reference, since they only join others
-    "core": "joins registers, a sensor, slip_chain, grip and core_link",
+    "core": "joins registers, a sensor, slip_chain, grip and link",
     "axis": "joins core and axil",
     "shear_speeds": "joins frame_filter and shear_speed; its counters turn over by contract (docs/link.md)",
     "actuate": "joins finger_health, grip and pwm; its counters turn over by contract (docs/link.md)",

@@ -77,7 +77,8 @@ def of_channels(samples, config, moving=None, mask=None, change=None):
 def of_array(array, samples, slip=None, over=None):
     """All results of samples [frames, rows, columns]; ``slip``: SlipConfig.
 
-    ``array``: meissner.twins.sensor.sensor_array.Array; it keeps its learned state between calls, as the core does.
+    ``array``: meissner.twins.sensor.sensor_array.Array; it keeps its learned state between calls, as the core
+    does.
     """
     sensed = sensor_array(array, samples, over)
     events = slip_chain(sensed.forces, slip, mask=sensed.mask) if slip is not None else ()

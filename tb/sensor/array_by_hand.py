@@ -1,9 +1,9 @@
-"""msn_array with frames on the stream, eight lanes wide, against numbers worked out by hand: 3 rows of 16
-columns.
+"""msn_sensor_array with frames on the stream, eight lanes wide, against numbers worked out by hand: 3 rows of
+16 columns.
 
 Each lane's taxel is made dead, railed and blinking in turn, alone and beside taxels that are not, and must be
 reported in the frame that docs/array.md states. Frames too short and too long must be counted and give no
-result; those after them must be right. Run by test_array.py.
+result; those after them must be right. Run by test_sensor_array.py.
 """
 
 from fractions import Fraction
@@ -13,56 +13,47 @@ import numpy as np
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 
 import bench
+import members
 
 ROWS, COLUMNS, LANES = 3, 16, 8
-BUILD = {"Part": 0, "Rows": ROWS, "Columns": COLUMNS, "Converters": LANES, "Tare": 0, "Tap": 1}
-LIMITS = {"band": 29, "jump": 60, "low": 50, "high": 900, "over_range_enable": 0, "edges": 0}
+BUILD = {"Rows": ROWS, "Columns": COLUMNS, "Converters": LANES, "Health": 1}
+LIMITS = {"health_band": 29, "health_jump": 60, "health_low": 50, "health_high": 900}
+DEAD, RAILED, BLINKING = 1, 2, 4  # docs/link.md
 ZERO = 100 + 7 * np.arange(ROWS * COLUMNS).reshape(ROWS, COLUMNS)
 
 
 class Stream:
-    """Sends frames; ``sent``: frames since a clear; ``events``: [(frame, beat, dead, railed, blinking)]."""
+    """Sends frames; ``sent``: frames since a clear; ``reports``: [(frame, taxel, faults)]."""
 
     async def begin(self, dut):
-        self.dut, self.events, self.results, self.forces = dut, [], [], []
+        self.dut, self.reports, self.results, self.forces = dut, [], [], []
         self.sent = self.total = 0
-        given = {
-            port._name: 0
-            for port in dut
-            if port._name.startswith(("cfg_", "in_", "adc_")) and "_i" in port._name
-        }
-        given |= {f"cfg_{name}_i": value for name, value in (LIMITS | {"min_load": 1, "gain": 4096}).items()}
-        given |= {"now_i": 0, "busy_i": 0, "tap_ready_i": 1, "event_ready_i": 1}
-        await bench.start(dut, **given)
-        dut.out_ready_i.value = 1
-        dut.cfg_write_i.value = 0xFF
-        for word in range(ROWS * COLUMNS // LANES):
-            dut.cfg_word_i.value = word
-            await RisingEdge(dut.clk_i)
-        dut.cfg_write_i.value, dut.cfg_swap_i.value = 0, 1
-        await RisingEdge(dut.clk_i)
-        dut.cfg_swap_i.value = 0
-        await bench.clocks(dut, 8)
+        # The preset gain is 1.0.
+        self.settings = members.Settings(dut, "cfg", **LIMITS, calibrate_preset=4096, cop_min_load=1)
+        given = {f"{name}_i": 0 for name in ("now", "pending", "busy", "adc_miso", "adc_busy")}
+        await bench.start(dut, sample_ready_i=1, health_ready_i=1, **given)
+        await bench.clocks(dut, 20)
         cocotb.start_soon(self.watch())
         return self
 
     async def watch(self):
-        dut, tapped = self.dut, []
+        dut, taken = self.dut, []
         read = lambda name: bench.read(getattr(dut, name))
         while True:
             await FallingEdge(dut.clk_i)
-            if read("event_valid_o"):
-                kinds = ("id", "dead", "railed", "blinking")
-                self.events.append((self.sent, *(read(f"event_{kind}_o") for kind in kinds)))
-            if read("tap_valid_o"):
-                masks = bench.lane_values(read("tap_mask_o"), LANES, 1)
-                tapped += zip(bench.lane_values(read("tap_data_o"), LANES, 16), masks)
-                if read("tap_last_o"):
-                    self.forces.append(tapped)
-                    tapped = []
-            if read("out_valid_o"):
-                x, y = (bench.as_signed(read(f"out_{name}_o"), len(dut.out_x_o)) for name in "xy")
-                self.results.append((x, y, read("out_load_o"), read("out_pressed_o")))
+            if read("health_valid_o"):
+                report = members.of("health", read("health_o"))
+                self.reports.append((self.sent, report["id"], report["faults"]))
+            if read("sample_valid_o"):
+                taken.append((read("sample_data_o"), read("sample_mask_o")))
+                if read("sample_last_o"):
+                    self.forces.append(taken)
+                    taken = []
+            if read("cop_valid_o"):
+                cop = members.of("cop", read("cop_o"))
+                self.results.append(
+                    (*(bench.as_signed(cop[k], 24) for k in "xy"), cop["load"], cop["pressed"])
+                )
 
     async def send(self, *frames, ends=None):
         """``ends``: how many beats of each frame are sent, the last one marked."""
@@ -79,17 +70,18 @@ class Stream:
                     await ReadOnly()
                 await RisingEdge(dut.clk_i)
             dut.in_valid_i.value = 0
-            await bench.clocks(dut, 60)
+            await bench.clocks(dut, 90)
             self.sent, self.total = self.sent + 1, self.total + 1
 
     async def clear(self, **limits):
-        for name, value in ({"still": 0, "rail": 0, "blink": 0} | limits).items():
-            getattr(self.dut, f"cfg_{name}_i").value = value
-        self.dut.cfg_clear_i.value = 1
-        await RisingEdge(self.dut.clk_i)
-        self.dut.cfg_clear_i.value = 0
+        given = {"still": 0, "rail": 0, "blink": 0} | limits
+        self.settings.put(**{f"health_{name}": value for name, value in given.items()})
+        await self.settings.pulse(self.dut.clk_i, health_clear=1)
         await bench.clocks(self.dut, 4)
-        self.events, self.sent = [], 0
+        self.reports, self.sent = [], 0
+
+    def status(self, name):
+        return members.of("status", bench.read(self.dut.status_o))[name]
 
 
 def result_of(forces):
@@ -113,16 +105,13 @@ async def each_lane_has_its_own_faults(dut):
     """In the middle row, where a taxel has neighbours above and below."""
     stream = await Stream().begin(dut)
     for lanes in ((0, 2, 4, 6), (1, 3, 5, 7), (2, 5), (0, 3, 7)):
-        chosen, bits = in_row_1(lanes), sum(1 << lane for lane in lanes)
+        chosen, both = in_row_1(lanes), [COLUMNS + lane for lane in (*lanes, *(lane + 8 for lane in lanes))]
         # Dead: constant while all others go up and down.
         await stream.clear(still=20)
         await stream.send(*(ZERO + 30 * (n % 2) * (1 - chosen) for n in range(8)))
-        assert stream.events == [(6, 2, bits, 0, 0), (6, 3, bits, 0, 0)]
-        assert [bench.read(getattr(dut, f"{kind}_o")) for kind in ("dead", "railed", "blinking")] == [
-            2 * len(lanes),
-            0,
-            0,
-        ]
+        assert stream.reports == [(6, taxel, DEAD) for taxel in both]
+        counts = [stream.status(f"health_{kind}") for kind in ("dead", "railed", "blinking")]
+        assert counts == [2 * len(lanes), 0, 0]
         # Railed: at a limit in frames 0, 16, .. since reset; a neighbour one code off the limit is not
         # railed.
         await stream.clear(rail=1)
@@ -131,15 +120,15 @@ async def each_lane_has_its_own_faults(dut):
         judged = -stream.total % 16
         assert 0 < judged < 16
         await stream.send(*[ends] * 16)
-        assert stream.events == [(judged, 2, 0, bits, 0), (judged, 3, 0, bits, 0)]
-        assert bench.read(dut.railed_o) == 2 * len(lanes)
+        assert stream.reports == [(judged, taxel, RAILED) for taxel in both]
+        assert stream.status("health_railed") == 2 * len(lanes)
         # Blinking: jumps while nothing around it moves.
         apart = in_row_1(lanes[:1]) * (np.arange(COLUMNS) < 8) + in_row_1(lanes[-1:]) * (
             np.arange(COLUMNS) > 7
         )
         await stream.clear(blink=32)
         await stream.send(*(ZERO + 61 * (n % 2) * apart for n in range(5)))
-        assert stream.events == [(3, 2, 0, 0, 1 << lanes[0]), (3, 3, 0, 0, 1 << lanes[-1])]
+        assert stream.reports == [(3, COLUMNS + taxel, BLINKING) for taxel in (lanes[0], 8 + lanes[-1])]
         # From then on masked: its force is 0 and its load does not count.
         last = np.where(apart, 0, ZERO)
         assert stream.forces[-1] == list(zip(last.ravel().tolist(), apart.ravel().tolist()))
@@ -155,7 +144,7 @@ async def frames_that_are_not_whole_are_counted(dut):
         if ends is None:
             wanted.append(result_of(ZERO + 3 * n))
         assert stream.results == wanted, n
-    assert bench.read(dut.damaged_o) == 5
+    assert stream.status("cop_damaged") == 5
     await bench.reset(dut)
     await bench.clocks(dut, 1)
-    assert bench.read(dut.damaged_o) == 0
+    assert stream.status("cop_damaged") == 0

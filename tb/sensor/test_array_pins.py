@@ -1,4 +1,4 @@
-"""A scanned array at pin level: row lines, column multiplexer, converters that check their timing, then
+"""msn_sensor_array at pin level: row lines, column multiplexer, converters that check their timing, then
 health, tare, calibration and centre of pressure, all stages at once.
 
 The cases: a capacitive array on its carrier behind a MAX11125, demodulated; 4×8 behind an MCP3208 and 16×16
@@ -13,16 +13,15 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
-from meissner.twins.cop.array import Array
-from meissner.twins.cop.cop_array import CopArray
 
 import bench
-from cop import array_by_hand
+import members
 from meissner.budget.array import terms
 from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
+from meissner.twins.sensor.sensor_array import Array
 from parts.ad7606 import Ad7606
 from parts.carrier import CarrierMatrix
 from parts.max1112x import Max1112x
@@ -40,21 +39,20 @@ FRAMES = 5  # two for the tare, one until the tare is in effect, then two presse
 
 CASES = {
     "demod": {
-        **{"Rows": 2, "Columns": 3, "Demod": 1, "Part": MAX11125.number, "Channels": 1, "SamplePeriod": 320},
+        **{"Rows": 2, "Columns": 3, "Demod": 1, "Adc": MAX11125.number, "SamplePeriod": 320},
         **{"Periods": 2, "Skip": 2, "Shift": 0},
     },
-    "2x2": {"Rows": 2, "Columns": 2, "Part": MCP3208.number, "Channels": 2, "SclkKhz": 2000, "Tap": 1},
-    "4x8": {"Rows": 4, "Columns": 8, "Part": MCP3208.number, "Channels": 8, "SclkKhz": 2000},
+    "2x2": {"Rows": 2, "Columns": 2, "Adc": MCP3208.number, "AdcChannels": 2, "SclkKhz": 2000, "Tap": 1},
+    "4x8": {"Rows": 4, "Columns": 8, "Adc": MCP3208.number, "AdcChannels": 8, "SclkKhz": 2000},
     "3x16": {
-        **{"Rows": 3, "Columns": 16, "Part": MCP3208.number, "Channels": 2, "SclkKhz": 2000},
+        **{"Rows": 3, "Columns": 16, "Adc": MCP3208.number, "AdcChannels": 2, "SclkKhz": 2000},
         "Converters": 8,
     },
-    "16x16": {"Rows": 16, "Columns": 16, "Part": AD7606.number, "Channels": 8, "AdcLanes": 2},
+    "16x16": {"Rows": 16, "Columns": 16, "Adc": AD7606.number, "AdcLanes": 2},
     "64x64": {
         "Rows": 64,
         "Columns": 64,
-        "Part": AD7606.number,
-        "Channels": 8,
+        "Adc": AD7606.number,
         "Converters": 8,
         "AdcLanes": 2,
     },
@@ -72,18 +70,21 @@ def smallest(dut):
 
 def twin_of(dut, limits=None):
     rows, columns, clk_khz = number(dut, "Rows"), number(dut, "Columns"), number(dut, "ClkKhz")
-    part = PARTS[number(dut, "Part")]
+    part = PARTS[number(dut, "Adc")]
     if number(dut, "Demod"):
         names = ("Form", "SamplesPerPeriod", "SamplePeriod", "Periods", "Skip", "Shift")
         form, *rest = (number(dut, name) for name in names)
         scan = ScanDemod(rows, columns, number(dut, "Converters"), part, clk_khz, None, 17, form, *rest)
     else:
-        lanes, channels, adc_lanes = (number(dut, name) for name in ("Converters", "Channels", "AdcLanes"))
+        lanes, channels, adc_lanes = (number(dut, name) for name in ("Converters", "AdcChannels", "AdcLanes"))
         scan = ScanAdc(rows, columns, lanes, part, channels, adc_lanes, clk_khz, number(dut, "SclkKhz"))
     tare = {"tare_log2": TARE_LOG2, "contact": 200, "step": 1}
-    return Array(
-        scan, limits or Limits(), tare, number(dut, "BitsPerClock"), gain_shift=number(dut, "GainShift")
-    )
+    kinds = {"bits_per_clock": number(dut, "BitsPerClock"), "gain_shift": number(dut, "GainShift")}
+    return Array(scan, limits or Limits(), tare, **kinds)
+
+
+def status(dut):
+    return members.of("status", bench.read(dut.status_o))
 
 
 class Together:
@@ -193,20 +194,11 @@ class Carrier(CarrierMatrix):
 async def begin(dut, limits=None, load=True):
     """``load``: whether to load a calibration and start a tare of the first frames."""
     twin = twin_of(dut, limits)
-    limits = twin.health.limits
-    settings = {name: int(getattr(limits, name)) for name in limits.__dataclass_fields__}
-    settings |= {name: settings[name] & (1 << number(dut, "SampleBits")) - 1 for name in ("low", "high")}
-    settings |= {
-        "settle": SETTLE,
-        "period": 0,
-        "interleave": 0,
-    }
-    settings |= {"enable": 0, "clear": 0, "report": 0, "contact": twin.tare.contact, "step": twin.tare.step}
-    settings |= {"tare": 0, "force": 0, "load": 0, "zero_write": 0, "zero_word": 0, "zero": 0}
-    settings |= {"write": 0, "write_row": 0, "word": 0, "offset": OFFSET, "gain": 0, "swap": 0, "min_load": 1}
-    inputs = {f"cfg_{name}_i": value for name, value in settings.items()}
-    inputs |= {"cfg_pending_i": 0, "busy_i": 0, "tap_ready_i": 1, "in_valid_i": 0}
-    await bench.start(dut, now_i=0, event_ready_i=1, adc_miso_i=0, adc_busy_i=0, **inputs)
+    given = {f"health_{name}": value for name, value in members.limits(twin.health.limits).items()}
+    given |= {"scan_settle": SETTLE, "tare_contact": twin.tare.contact, "tare_step": twin.tare.step}
+    settings = members.Settings(dut, "cfg", **given, cop_min_load=1)
+    inputs = {"pending_i": 0, "busy_i": 0, "sample_ready_i": 1, "in_valid_i": 0, "health_ready_i": 1}
+    await bench.start(dut, now_i=0, adc_miso_i=0, adc_busy_i=0, **inputs)
 
     scan = twin.scan
     bits = scan.part.data_bits
@@ -227,26 +219,30 @@ async def begin(dut, limits=None, load=True):
         part = Max1112x(cs_n, sclk, mosi, miso, bits, matrix.code)
 
     if not load:
-        return twin, matrix, part
-    # Gains of the taxels, then start the tare of the first frames.
+        return twin, matrix, part, settings
+    # Gains of the taxels, when the preset ones are in use; then start the tare of the first frames.
     rng = np.random.default_rng(bench.SEED + 1)
-    lanes = twin.cop.calibrate.table.lanes
-    for word in range(scan.rows * -(-scan.columns // lanes)):
-        for lane in range(lanes):
+    table = twin.calibrate.table
+    await bench.clocks(dut, table.beats + 4)
+    for word in range(table.beats):
+        for lane in range(table.lanes):
             gain = int(rng.integers(1 << 10, 1 << 13))
-            twin.cop.calibrate.table.write(word, OFFSET, gain, slice(lane, lane + 1))
-            dut.cfg_write_i.value, dut.cfg_word_i.value, dut.cfg_gain_i.value = 1 << lane, word, gain
+            table.write(word, OFFSET, gain, slice(lane, lane + 1))
+            entry = {
+                "word": word,
+                "gain": gain,
+                "offset": OFFSET,
+                "write_lanes": 1 << lane,
+                "write_written": 1,
+            }
+            settings.put(**{f"calibrate_{name}": value for name, value in entry.items()})
             await RisingEdge(dut.clk_i)
-    dut.cfg_write_i.value = 0
-    for name in ("swap", "tare", "force"):
-        getattr(dut, f"cfg_{name}_i").value = 1
-    await RisingEdge(dut.clk_i)
-    for name in ("swap", "tare", "force"):
-        getattr(dut, f"cfg_{name}_i").value = 0
-    twin.cop.calibrate.swap()
+    settings.put(calibrate_write_written=0)
+    await settings.pulse(dut.clk_i, calibrate_swap=1, tare_average=1, tare_force=1)
+    twin.calibrate.swap()
     twin.tare.tare(force=True)
-    dut.cfg_enable_i.value = 1
-    return twin, matrix, part
+    settings.put(scan_enable=1)
+    return twin, matrix, part, settings
 
 
 def pressing(twin, step):
@@ -280,11 +276,10 @@ async def results(dut, matrix, twin, count, stalls=None, press=None):
     """
     out, converts, clock, pressed = [], [], 0, None
     conversions = len(twin.scan.scan.places()) * getattr(twin.scan, "count", 1)
-    put_ready, put_now = bench.putter(dut.out_ready_i), bench.putter(dut.now_i)
-    settled, edge, convert, valid = ReadOnly(), RisingEdge(dut.clk_i), dut.convert_o, dut.out_valid_o
+    put_ready, put_now = bench.putter(dut.sample_ready_i), bench.putter(dut.now_i)
+    settled, edge, convert, valid = ReadOnly(), RisingEdge(dut.clk_i), dut.convert_o, dut.cop_valid_o
     while len(out) < count:
-        ready = not (stalls and stalls())
-        put_ready(ready)
+        put_ready(not (stalls and stalls()))
         put_now(bench.time(clock))
         frame, place = divmod(len(converts), conversions)
         if place == 0 and frame != pressed:
@@ -293,13 +288,18 @@ async def results(dut, matrix, twin, count, stalls=None, press=None):
         await settled
         if bench.high(convert):
             converts.append(clock)
-        if ready and bench.high(valid):
-            x, y = (bench.as_signed(bench.read(port), len(port)) for port in (dut.out_x_o, dut.out_y_o))
-            out.append((clock, x, y, bench.read(dut.out_load_o), bench.read(dut.out_pressed_o)))
+        if bench.high(valid):
+            out.append((clock, *result(dut)))
             matrix.times.append(bench.read(dut.time_o))
         await edge
         clock += 1
     return out, converts
+
+
+def result(dut):
+    """(x, y, load, pressed)"""
+    cop = members.of("cop", bench.read(dut.cop_o))
+    return *(bench.as_signed(cop[side], 24) for side in "xy"), cop["load"], cop["pressed"]
 
 
 def check(twin, matrix, out):
@@ -309,55 +309,16 @@ def check(twin, matrix, out):
     assert expected[-1][2] > 0 and expected[-1][3] == 1, "nothing pressed"
 
 
-@bench.applies(bench.whole)
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-async def every_bit_of_the_counts_of_faults(dut):
-    """The outputs are the counts of msn_health, up to a count of all taxels."""
-    await begin(dut, load=False)
-    health = dut.u_condition.gen_health.u_health
-    taxels = number(dut, "Rows") * number(dut, "Columns")
-    for values in (
-        (taxels, 0, 1),
-        (0, 2 * taxels - 1, taxels),
-        (taxels - 1, taxels, 0),
-        (0, 0, 2 * taxels - 1),
-    ):
-        for kind, value in zip(("dead", "railed", "blinking"), values):
-            port = getattr(dut, f"{kind}_o")
-            assert len(port) == taxels.bit_length()
-            getattr(health, f"{kind}_o").value = value & (1 << len(port)) - 1
-        await FallingEdge(dut.clk_i)
-        for kind, value in zip(("dead", "railed", "blinking"), values):
-            port = getattr(dut, f"{kind}_o")
-            assert bench.read(port) == value & (1 << len(port)) - 1
-        await RisingEdge(dut.clk_i)
-
-
-@bench.starts_known
-@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
-async def counts_over_the_whole_width(dut):
-    counters = [
-        "dropped_o",
-        "overrun_o",
-        "held_o",
-        "lost_o",
-        "swallowed_o",
-        "damaged_o",
-    ]
-    await bench.turn_over(dut, *counters, wraps=False)
-
-
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset_whatever_comes(dut):
-    await bench.inputs_in_reset(dut, "row_o", "convert_o", "event_valid_o", "out_valid_o")
+    await bench.inputs_in_reset(dut, "row_o", "convert_o", "health_valid_o", "cop_valid_o")
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut):
-    twin, matrix, _ = await begin(dut)
+    twin, matrix, *_ = await begin(dut)
     out, converts = await results(dut, matrix, twin, FRAMES)
     check(twin, matrix, out)
-    assert (bench.read(dut.tared_o), bench.read(dut.refused_o)) == (1, 0)
     given = {"conversion_ns": CONVERSION_NS} if twin.scan.part is AD7606 else {}
     steps = twin.latency(SETTLE, **given)
     conversions = len(twin.scan.scan.places()) * getattr(twin.scan, "count", 1)
@@ -378,23 +339,23 @@ async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut
     assert matrix.times == [bench.time(start - number(dut, "Demod")) for start in starts[:FRAMES]]
     if twin.scan.part is AD7606:
         assert steps["total"] * us < 1000, "the millisecond is spent"
-    for name in ("dropped", "overrun", "lost", "damaged", "dead", "railed", "blinking"):
-        assert bench.read(getattr(dut, f"{name}_o")) == 0, name
+    others = ("scan_held", "tare_state_pressed")
+    assert {name: n for name, n in status(dut).items() if n and name not in others} == {"tare_tared": 1}
 
 
 @bench.applies(lambda dut: number(dut, "Rows") <= 4)  # larger arrays: the same logic in many more clocks
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def gives_the_same_to_a_consumer_that_stalls_and_starts_over_after_a_reset(dut):
-    twin, matrix, part = await begin(dut)
+    twin, matrix, part, _ = await begin(dut)
     out, _ = await results(dut, matrix, twin, FRAMES, bench.pauses(0.8, "stalls"))
     check(twin, matrix, out)
-    # In the middle of a frame. After the reset the calibration is empty, so nothing presses any more.
+    # In the middle of a frame. After the reset the gains are the preset ones, 0, so nothing presses any more.
     await bench.clocks(dut, twin.latency(SETTLE)["frame"] // 3)
     part.report = lambda violation: None  # the reset breaks off a transfer
     await bench.reset(dut)
     out, _ = await results(dut, matrix, twin, 2)
     assert [values[1:] for values in out] == [(0, 0, 0, 0)] * 2
-    assert bench.read(dut.damaged_o) == 0
+    assert status(dut)["cop_damaged"] == 0
 
 
 @bench.applies(smallest)  # sixteen frames of the other arrays take long
@@ -403,16 +364,15 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
     """Over-range for sixteen frames, it is reported and masked: no share in the load, and a tare is not
     refused."""
     limits = Limits(low=-65536, high=65535, over_range_enable=True, rail=1, edges=False)
-    twin, matrix, _ = await begin(dut, limits)
+    twin, matrix, _, settings = await begin(dut, limits)
     events = []
 
     async def listen():
-        edge, valid = FallingEdge(dut.clk_i), dut.event_valid_o
+        edge, valid = FallingEdge(dut.clk_i), dut.health_valid_o
         while True:
             await edge
             if bench.high(valid):
-                kinds = (dut.event_id_o, dut.event_dead_o, dut.event_railed_o, dut.event_blinking_o)
-                events.append(tuple(bench.read(kind) for kind in kinds))
+                events.append(members.of("health", bench.read(dut.health_o)))
 
     listener = cocotb.start_soon(listen())
     out, _ = await results(dut, matrix, twin, FRAMES - 2, press=0)
@@ -420,12 +380,9 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
         matrix.zero[bad] = (1 << twin.scan.part.data_bits) - 1
         found, _ = await results(dut, matrix, twin, 20, press=press)
         out += found
-    assert events == [(1, 0, 1, 0), (2, 0, 1, 0)]
+    assert events == [{"id": 1, "faults": 2}, {"id": 2, "faults": 2}]
     before = len(out)
-    for name in ("cfg_force_i", "cfg_tare_i"):
-        getattr(dut, name).value = int(name == "cfg_tare_i")
-    await RisingEdge(dut.clk_i)
-    dut.cfg_tare_i.value = 0
+    await settings.pulse(dut.clk_i, tare_average=1)
     found, _ = await results(dut, matrix, twin, FRAMES, press=0)
     out += found
     listener.cancel()
@@ -434,10 +391,9 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
     )
     expected = [tuple(map(int, values)) for values in zip(x, y, load, pressed)]
     assert [values[1:] for values in out] == expected
-    assert twin.health.railed == bench.read(dut.railed_o) == 2
-    assert (
-        (bench.read(dut.tared_o), bench.read(dut.refused_o)) == (twin.tare.tared, twin.tare.refused) == (2, 0)
-    )
+    found = status(dut)
+    assert twin.health.railed == found["health_railed"] == 2
+    assert (found["tare_tared"], found["tare_refused"]) == (twin.tare.tared, twin.tare.refused) == (2, 0)
 
 
 @bench.applies(smallest)  # as above
@@ -447,20 +403,20 @@ async def a_taxel_at_a_limit_is_told(dut, low):
     """Low and high limit, with every bit both 0 and 1: codes at a limit and next to it."""
     high = low ^ 0xFFF
     limits = Limits(low=low, high=high, over_range_enable=False, rail=1, edges=False)
-    twin, matrix, _ = await begin(dut, limits)
+    twin, matrix, *_ = await begin(dut, limits)
     matrix.zero = np.array([[high - 1, high], [low, low + 1]])
     out, _ = await results(dut, matrix, twin, 20, press=0)
     expected = [tuple(map(int, values)) for values in zip(*twin.next(*matrix.samples(len(out))))]
     assert [values[1:] for values in out] == expected
-    assert twin.health.railed == bench.read(dut.railed_o) == 2
+    assert twin.health.railed == status(dut)["health_railed"] == 2
 
 
 @bench.applies(smallest)  # as above
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(settle=[0x5555, 0xAAAA])
 async def the_lines_settle_as_long_as_asked(dut, settle):
-    await begin(dut, load=False)
-    dut.cfg_settle_i.value, dut.cfg_enable_i.value = settle, 1
+    *_, settings = await begin(dut, load=False)
+    settings.put(scan_settle=settle, scan_enable=1)
     await bench.clocks(dut, 2)
     while not bench.read(dut.row_o):
         await FallingEdge(dut.clk_i)
@@ -472,21 +428,21 @@ async def the_lines_settle_as_long_as_asked(dut, settle):
     await bench.clocks(dut, 4000)  # until the converter is idle
 
 
-@bench.applies(lambda dut: PARTS[number(dut, "Part")] is AD7606, long=True)
+@bench.applies(lambda dut: PARTS[number(dut, "Adc")] is AD7606, long=True)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def conversions_without_an_answer_are_counted(dut):
     """BUSY stays low at all converters: one lost conversion is counted each time, and frames stay
     complete."""
-    twin, _, part = await begin(dut, load=False)
+    twin, _, part, settings = await begin(dut, load=False)
     part.hold_busy(0)
-    dut.cfg_enable_i.value = 1
+    settings.put(scan_enable=1)
     slot, converts = twin.scan.scan.slot(SETTLE), 0
     for _ in range(twin.scan.adc.start_clocks() + 4 * slot):
         await ReadOnly()
         converts += dut.convert_o.value == 1
         await RisingEdge(dut.clk_i)
     part.hold_busy(None)
-    lost = bench.read(dut.lost_o)
+    lost = status(dut)["scan_lost"]
     assert converts - 1 <= lost <= converts and lost > 1
 
 
@@ -494,114 +450,107 @@ async def conversions_without_an_answer_are_counted(dut):
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def the_smallest_arrays_faults_and_counters(dut):
     """In stages; the scan is off between them, so that the number of converted frames is known."""
-    twin, matrix, _ = await begin(dut)
-    dut.cfg_enable_i.value = 0
+    twin, matrix, _, settings = await begin(dut)
+    settings.put(scan_enable=0)
     out, tapped, expected, images = [], [], [], []
     even = np.array([[1, 0], [0, 1]])
-    counter = lambda name: bench.read(getattr(dut, f"{name}_o"))
+    counter = lambda name: status(dut)[name]
     quiet = 4 * twin.scan.scan.slot(SETTLE)
 
-    async def pulse(*names):
-        for level in (1, 0):
-            for name in names:
-                getattr(dut, f"cfg_{name}_i").value = level
-            await RisingEdge(dut.clk_i)
-
-    async def run(ready=True, tap_ready=True, timeout=100):
-        """Collect results and tap beats until no conversion started for ``timeout`` clocks."""
-        dut.out_ready_i.value, dut.tap_ready_i.value, still = int(ready), int(tap_ready), 0
-        put_enable = bench.putter(dut.cfg_enable_i)
+    async def run(ready=True, timeout=100):
+        """Collect results and forces until no conversion started for ``timeout`` clocks."""
+        dut.sample_ready_i.value, still, enabled = int(ready), 0, None
         while still < timeout:
-            put_enable(len(matrix.taken) <= (len(matrix.plan) - 1) * matrix.per_frame)
+            enable = len(matrix.taken) <= (len(matrix.plan) - 1) * matrix.per_frame
+            if enable != enabled:
+                settings.put(scan_enable=enable)
+                enabled = enable
             await ReadOnly()
             still = 0 if bench.high(dut.convert_o) else still + 1
-            if bench.high(dut.out_valid_o) and ready:
-                x, y = (bench.as_signed(bench.read(port), len(port)) for port in (dut.out_x_o, dut.out_y_o))
-                out.append((x, y, counter("out_load"), counter("out_pressed")))
-            if bench.high(dut.tap_valid_o) and tap_ready:
-                marks = (counter("tap_row_last"), counter("tap_last"))
-                tapped.append((counter("tap_data"), counter("tap_mask"), *marks))
+            if bench.high(dut.cop_valid_o):
+                out.append(result(dut))
+            if bench.high(dut.sample_valid_o) and ready:
+                names = ("data", "mask", "id", "last")
+                tapped.append(tuple(bench.read(getattr(dut, f"sample_{name}_o")) for name in names))
             await RisingEdge(dut.clk_i)
 
-    async def stage(*presses, swallowed=False, **ready):
+    async def stage(*presses, swallowed=False, ready=True):
         """Scan one frame per press."""
         before = matrix.frames
         matrix.plan = [0] * before + [0 * even + press for press in presses]
-        await run(timeout=quiet, **ready)
+        await run(ready, quiet)
         assert matrix.frames == len(matrix.plan)
         samples = [part[before:] for part in matrix.samples(matrix.frames)]
         if not swallowed:
             forces, mask = twin.forces(*samples)
-            expected.extend(tuple(map(int, found)) for found in zip(*twin.cop.of_forces(forces)))
-            ends = [np.resize(marks, mask.size) for marks in ([0, 1], [0, 0, 0, 1])]
-            beats = zip(forces.ravel(), mask.ravel(), *ends)
-            images.extend(tuple(map(int, beat)) for beat in beats)
+            expected.extend(tuple(map(int, found)) for found in zip(*twin.cops(forces)))
+            places = [np.resize(marks, mask.size) for marks in ([0, 1, 2, 3], [0, 0, 0, 1])]
+            taxels = zip(forces.ravel(), mask.ravel(), *places)
+            images.extend(tuple(map(int, taxel)) for taxel in taxels)
 
     def follow(**limits):
+        settings.put(**{f"health_{name}": value for name, value in limits.items()})
         for name, value in limits.items():
-            getattr(dut, f"cfg_{name}_i").value = value
             setattr(twin.health.limits, name, value)
 
     await stage(0, 0, 0, 0, 0)
     follow(jump=20, blink=16, still=1)
     await stage(0, 50 * even, 50 * even, 50 * even, 50 * even, 50, 50, 50)
     assert (out, tapped) == (expected, images)
-    assert counter("dead") == twin.health.dead == 4
-    assert counter("blinking") == twin.health.blinking == 4
+    assert counter("health_dead") == twin.health.dead == 4
+    assert counter("health_blinking") == twin.health.blinking == 4
     follow(jump=200, blink=0, still=0)
     twin.health.clear()
-    dut.cfg_force_i.value = 0
-    await pulse("clear", "tare")
+    await settings.pulse(dut.clk_i, health_clear=1, tare_average=1)
     await bench.clocks(dut, 2)
-    assert counter("taring") == 1
+    assert counter("tare_state_taring") == 1
     twin.tare.tare()
     await stage(900, 900, 700)
-    assert counter("taring") == 0
+    assert counter("tare_state_taring") == 0
     assert (out, tapped) == (expected, images)
-    assert (counter("dead"), counter("blinking")) == (0, 0)
-    assert (counter("tared"), counter("refused")) == (1, 1) == (twin.tare.tared, twin.tare.refused)
+    assert (counter("health_dead"), counter("health_blinking")) == (0, 0)
+    assert (counter("tare_tared"), counter("tare_refused")) == (1, 1) == (twin.tare.tared, twin.tare.refused)
 
-    dut.cfg_load_i.value = 1
+    settings.put(tare_load=1)
     twin.tare.load(True)
     await bench.clocks(dut, 4)
-    assert counter("cfg_loading") == 1
+    assert counter("tare_state_loading") == 1
     await stage(0, 0, 0, swallowed=True)
-    assert counter("swallowed") == 3
+    assert counter("tare_swallowed") == 3
     for word in range(4):
-        dut.cfg_zero_word_i.value, dut.cfg_zero_i.value = word, 5 * word
-        await pulse("zero_write")
+        zero = {"tare_word": word, "tare_zero": 5 * word, "tare_write": 1}
+        await settings.pulse(dut.clk_i, tare_write_written=1, **zero)
         twin.tare.write(word, 5 * word)
-    dut.cfg_load_i.value = 0
+    settings.put(tare_load=0)
     twin.tare.load(False)
     await bench.clocks(dut, 4)
-    await stage(100, 0, tap_ready=False)  # two frames wait for a stalled tap
+    await stage(100, 0, ready=False)  # two frames wait for a stalled consumer
     assert len(out) < len(expected) and len(tapped) == len(images) - 8
     await run()
     assert (out, tapped) == (expected, images)
 
-    # Results are not taken: two results and a frame wait, later frames are dropped.
-    dut.cfg_period_i.value = 1
+    # Forces are not taken: a frame waits in the stages and one at the gate, later frames are dropped.
+    settings.put(scan_period=1)
     given = len(out)
     await stage(*[0] * 8, ready=False)
-    dut.cfg_pending_i.value = 1  # new settings wait for the results as well
+    dut.pending_i.value = 1  # new settings wait as well
     await bench.clocks(dut, quiet)
-    assert counter("commit") == 0
+    assert bench.read(dut.commit_o) == 0
     await run()
     commits = 0
     for _ in range(6):  # closed, commit, open: a commit every third clock as long as settings are pending
         await ReadOnly()
-        commits += counter("commit")
+        commits += bench.read(dut.commit_o)
         await RisingEdge(dut.clk_i)
     assert commits == 2
-    dut.cfg_pending_i.value = 0
+    dut.pending_i.value = 0
     await stage(0)
-    assert counter("dropped") > 2 and counter("overrun") > 100
-    assert len(out) - given + counter("dropped") == 9
-    assert [counter(name) for name in ("held", "lost", "damaged")] == [0] * 3
+    assert counter("scan_dropped") > 2 and counter("scan_overrun") > 100
+    assert len(out) - given + counter("scan_dropped") == 9
+    assert [counter(name) for name in ("scan_held", "scan_lost", "cop_damaged")] == [0] * 3
     await bench.reset(dut)
     await bench.clocks(dut, 1)
-    for name in ("dropped", "overrun", "swallowed", "tared", "refused"):
-        assert counter(name) == 0
+    assert not any(status(dut).values())
 
 
 def tare_after(twin, samples, count):
@@ -611,52 +560,10 @@ def tare_after(twin, samples, count):
     yield twin.next(*(a[count:] for a in samples))
 
 
-EVIDENCE = {
-    "reference": {"joins": "array_source, frame_gate, frame_marker, condition, cop_array"},
-    "equivalence": {"size": {"Columns": 2}, "defined": True, "boxes": True, "open": ["reset"]},
-    "mutants": {"sets": [1], "limit": 60, "unsolved": True},
-    "faults": {
-        "size": {"Rows": 2, "Part": 1},
-        "program": {"Tap": 1, "ClkKhz": 16000},
-        "settle": 4,
-        # The recording's gains; no tare, so that the converter's codes are the press; no failing taxel.
-        "driver": {
-            "free": 40000,
-            # Counters up to a scan's next row and frame.
-            "late": "left_q count_q",
-            "part": 1,
-            "lead": 16,
-            "set": "cfg_tare_i:0",
-            "quiet": "event_",
-            # What a scan copied when it was enabled, until it is disabled.
-            "kept": "settle_q period_q",
-        },
-        "kept_inside": {"u_calibrate": "calibrate_taxels", "u_tare": "tare", "u_health": "health"},
-    },
-}
-
-
-def test_model_without_health_and_tare_is_the_calibration_alone():
-    rng = np.random.default_rng(bench.SEED)
-    scan = ScanAdc(3, 5, 2, MCP3208, 3, 1, CLK_KHZ, 2000)
-    bare, alone = Array(scan), CopArray(3, 5, 2)
-    for word in range(9):
-        offset, gain = rng.integers(-99, 99), rng.integers(1, 9999)
-        for table in (bare.cop.calibrate.table, alone.calibrate.table):
-            table.write(word, offset, gain)
-    samples = rng.integers(0, 4096, (4, 3, 5))
-    found, expected = bare.next(samples), alone.of_forces(alone.calibrate.next(samples))
-    assert [np.asarray(a).tolist() for a in found] == [np.asarray(a).tolist() for a in expected]
-    assert not bare.forces(samples)[1].any()
-
-
 LONG = {"4x8": pytest.mark.long}
 
 
 @pytest.mark.parametrize("case", [pytest.param(name, marks=LONG.get(name, ())) for name in CASES])
-def test_array(case):
-    bench.run("cop", "array", {"ClkKhz": CLK_KHZ, "TareLog2": TARE_LOG2} | CASES[case], inside=["msn_health"])
-
-
-def test_array_of_a_stream():
-    bench.run("cop", "array", array_by_hand.BUILD, module="array_by_hand")
+def test_array_pins(case):
+    size = {"ClkKhz": CLK_KHZ, "TareLog2": TARE_LOG2, "Health": 1, "Tare": 1, "Tap": 0} | CASES[case]
+    bench.run("sensor", "sensor_array", size, module="test_array_pins")
