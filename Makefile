@@ -72,9 +72,8 @@ test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can 
 faults: $(SIM)  ## inject faults into every block and record their effects: docs/trust/faults.json, docs/faults.md
 	@$(BIN)/python tools/faults.py --record $(BLOCKS)
 
-extremes: $(SIM)  ## check every block and solver at the ends of its range: docs/extremes.md [BLOCKS="haar slip"]
-	@$(BIN)/python tools/extremes.py --record --jobs $(JOBS) $(BLOCKS)
-	@$(if $(BLOCKS),,$(BIN)/python tools/extremes.py --elaborate --jobs $(JOBS))
+extremes: $(SIM)  ## print the worst error of every block and solver at the ends of its range, and its bound [BLOCKS="haar slip"]
+	@PYTHONPATH=tb $(BIN)/python -m extremes --jobs $(JOBS) $(BLOCKS)
 
 lint: $(SIM)  ## run Verilator -Wall and slang on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py

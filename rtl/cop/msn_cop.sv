@@ -5,7 +5,7 @@
 // Latency after a frame's last beat: 3 + log2(Lanes) clocks and the divider's Steps, the same in every
 // frame: 11 at one lane, Q2.14 and two bits a clock. Frames of Steps + 1 beats or more never wait; with a
 // pipelined divider no frame waits.   Model: model/meissner/twins/cop/cop.py
-// Error: at most 1/2 LSB of x, y (docs/extremes.md).
+// Error: at most 1/2 LSB of x, y (tb/extremes).
 
 module msn_cop #(
   parameter  int unsigned Rows         = 64,

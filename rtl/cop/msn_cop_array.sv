@@ -8,7 +8,7 @@
 //
 // Latency after a frame's last beat: 3 clocks (RowColumn 15) and msn_cop's, the same in every frame: 14 at one
 // lane, Q2.14 and two bits a clock.   Model: model/meissner/twins/cop/cop_array.py
-// Error: at most 1/2 LSB of x, y (docs/extremes.md).
+// Error: at most 1/2 LSB of x, y (tb/extremes).
 
 module msn_cop_array #(
   parameter  int unsigned Rows         = 64,

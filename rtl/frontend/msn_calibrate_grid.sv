@@ -13,7 +13,7 @@
 //
 // Latency 15 clocks, a beat a clock, frames without a gap, also after a swap or a damaged frame.
 // Beats as msn_frame_marker gives them; their marks travel with them. The same ports as msn_calibrate_taxels.
-// Error: at most 1/2 LSB (docs/extremes.md).
+// Error: at most 1/2 LSB (tb/extremes).
 // Model: model/meissner/twins/frontend/calibrate_grid.py
 
 module msn_calibrate_grid #(

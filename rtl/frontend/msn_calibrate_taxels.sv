@@ -12,7 +12,7 @@
 //
 // Latency 3 clocks, a beat a clock, frames without a gap, but a few clocks' wait after a swap and a damaged frame.
 // Beats as msn_frame_marker gives them; their marks travel with them. The same ports as msn_calibrate_grid.
-// Error: at most 1/2 LSB (docs/extremes.md).
+// Error: at most 1/2 LSB (tb/extremes).
 // Model: model/meissner/twins/frontend/calibrate_taxels.py
 
 module msn_calibrate_taxels #(

@@ -4,7 +4,7 @@
 // So a core gives forces before a host sets it up. RowColumn: this gain for the columns, 4096 for the rows.
 //
 // This takes Words + 1 clocks (RowColumn: a row's beats + Rows + 1), in which a host's writes are lost; then done_o.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/calibration_preset.py
 
 module msn_calibration_preset #(
