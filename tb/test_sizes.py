@@ -11,7 +11,7 @@ import pytest
 
 from bench import SEED, run
 from meissner.builds import toolchain
-from verify import benches
+from nightly import benches
 
 
 def spaces():

@@ -6,8 +6,9 @@ import hypothesis.strategies as st
 import numpy as np
 
 from extremes.rows import row
-from meissner.twins.cop import cop, cop4, cop_accumulate, cop_array, cop_divide, cop_slip
+from meissner.twins.cop import cop, cop4, cop_accumulate, cop_divide, cop_slip
 from meissner.twins.cop.cop4_correct import CorrectionRegisters, cop4_correct
+from meissner.twins.sensor.array_forces import ArrayForces
 from reference import exact
 
 TOP = 65535
@@ -169,8 +170,8 @@ def registers(gain, shift_gain, offsets, raws):
     return gain, shift_gain, offsets, raws
 
 
-@row("cop_array", {"x, y": "1/2 LSB"})
-def cop_array_(see):
+@row("array_forces", {"x, y": "1/2 LSB"})
+def array_forces_(see):
     """A pad with gains and samples at their ends, taxel by taxel, then its centre."""
     low, high = exact.signed(17)
     for one in see.covering(
@@ -181,7 +182,7 @@ def cop_array_(see):
         raw=["low", "high", "checked", "LSB"],
     ):
         (m, n), gain, offset, shift, raw = one.values()
-        twin = cop_array.CopArray(m, n, gain_shift=shift)
+        twin = ArrayForces(m, n, gain_shift=shift)
         for word in range(m * n):
             twin.calibrate.table.write(word, offset, gain)
         codes = [
@@ -193,7 +194,7 @@ def cop_array_(see):
             ]
             for i in range(m)
         ]
-        x, y, load, pressed = twin.process(np.array(codes))
+        x, y, load, pressed = twin.cops(twin.calibrate.process(np.array(codes)))
         forces = [
             [exact.held(exact.half_up(Fraction((code - offset) * gain, 2**shift)), 0, TOP) for code in line]
             for line in codes

@@ -15,7 +15,7 @@ from random import Random
 
 from extremes.pairs import covering
 from meissner.builds import toolchain
-from verify import benches
+from nightly import benches
 
 ENDS = toolchain.ROOT / "tb/extremes/parameters.toml"
 # Elaborated by their rows in tb/extremes/*.py, with the sizes of the rows' cases.

@@ -11,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 
 from meissner.check import one_of
-from meissner.scenes.parts import check_features
+from meissner.scenes.features import check_line
 from meissner.scenes.sensor import sensor, sensors
 
 
@@ -64,8 +64,10 @@ def build(name, table):
     if "sensor" not in table:
         raise ValueError(f"{where}: the key 'sensor' is missing")
     one_of(where, "sensor", table["sensor"], sensors())
-    scene = sensor(table["sensor"]).build(name, table)
-    check_features(scene)
+    own = {key: value for key, value in table.items() if key != "features"}
+    scene = sensor(table["sensor"]).build(name, own)
+    if "features" in table:
+        check_line(scene, table["features"])
     return scene
 
 

@@ -7,14 +7,17 @@ import numpy as np
 from meissner.check import between, fields, numbers, one_of, positive, tables
 from meissner.physics import mesh_loads, patches, plantar
 from meissner.scenes import base
-from meissner.scenes.array.parts import FEATURES
 from meissner.twins.cop.cop_accumulate import sum_bits
 
-COMPONENTS = ("moving contact", "elastic cover", "taxel converter", "recorded pressures")
-_MODELLED = {
-    "patches": ("moving contact", "elastic cover", "taxel converter"),
-    "recording": ("recorded pressures",),
+FEATURES = {"cop": "position and load are compared with the forces"}
+WHY = {
+    "moving contact": "[[world.patches]]: place and force of each contact",
+    "elastic cover": "depth_pitches: spread of a patch",
+    "taxel converter": "[converter]: force to codes, with its noise",
+    "recorded pressures": "kind recording: dataset",
 }
+COMPONENTS = tuple(WHY)
+_BYTES = 8  # per taxel of a frame: codes, and the pieces that are joined
 
 _TOP = base.TOP | {"rate_hz": int, "array": dict, "world": dict}
 _ARRAY = {"rows": int, "columns": int, "min_load": int}
@@ -77,23 +80,19 @@ class Scene(base.Scene):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run: the core's input, and the ground truth.
 
     ``codes`` uint16 [frames, rows, columns]; ``load`` (in the scene's unit), ``x``, ``y`` [frames]: of the
     forces on the taxels before conversion. ``over_range``: number of taxel samples beyond full scale.
     """
 
-    scene: Scene
-    seed: int
     time_s: np.ndarray
     codes: np.ndarray
     load: np.ndarray
     x: np.ndarray
     y: np.ndarray
     over_range: int
-    modelled: tuple
-    left_out: tuple
 
 
 def patch(where, row):
@@ -117,7 +116,7 @@ def build(name, table):
     where = f"scene {name}"
     # Only patches need a converter: the kind decides which tables are required.
     expected = _TOP | ({} if "converter" not in table else {"converter": dict})
-    top, own = base.top(name, table, expected, FEATURES)
+    top, own = base.top(name, table, expected)
     world = dict(top["world"])
     kind = world.pop("kind", None)
     one_of(f"{where}, [world]", "kind", kind, tuple(_WORLD))
@@ -153,6 +152,18 @@ def build(name, table):
     )
 
 
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    return COMPONENTS[3:] if scene.kind == "recording" else COMPONENTS[:3]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    taxels = scene.rows * scene.columns
+    frames = 1000 if scene.kind == "recording" else scene.world["seconds"] * scene.rate_hz
+    return _BYTES * frames * taxels + 16 * 8 * max(1 << 20, taxels), f"{frames:.0f} frames of {taxels} taxels"
+
+
 def simulate(scene, seed=0):
     """Run the scene with one seed, which draws the converter's noise."""
     world, over_range = scene.world, 0
@@ -178,7 +189,6 @@ def simulate(scene, seed=0):
             load[part], x[part], y[part] = mesh_loads.true_centre(force_n)
             codes[part], over = scene.converter.convert(force_n, rng)
             over_range += over
-    modelled = _MODELLED[scene.kind]
     return Recording(
         scene=scene,
         seed=seed,
@@ -188,6 +198,5 @@ def simulate(scene, seed=0):
         x=x,
         y=y,
         over_range=over_range,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=modelled(scene),
     )

@@ -9,18 +9,23 @@ from meissner.physics import fsr, mesh_loads, patches
 from meissner.physics.adc import Adc
 from meissner.scenes import base
 from meissner.scenes.array import scene as cop
-from meissner.scenes.fsr.parts import FEATURES
 
-COMPONENTS = (
-    "moving contact",
-    "elastic cover",
-    "cell resistance",
-    "spread of the cells",
-    "drift under load",
-    "resistor network",
-    "converter",
-    "faults",
-)
+FEATURES = {
+    "calibrate": "cells are compared in newtons after a calibration with calibrate_n",
+    "cop": "position and load are compared with the forces",
+}
+WHY = {
+    "moving contact": "[[world.patches]]: place and force of each contact",
+    "elastic cover": "depth_pitches: spread of a patch",
+    "cell resistance": "material: force to resistance",
+    "spread of the cells": "spread that calibration removes",
+    "drift under load": "material: drift that calibration cannot remove",
+    "resistor network": "[readout]: the cells share their lines",
+    "converter": "[converter]: volts to codes, with its noise",
+    "faults": "[[faults]]",
+}
+COMPONENTS = tuple(WHY)
+_BYTES = 80  # per cell of a frame: forces, conductances, volts, codes, in doubles
 _TOP = base.TOP | dict.fromkeys(("array", "readout", "converter", "world"), dict) | {"rate_hz": int}
 _ARRAY = {"rows": int, "columns": int, "material": str, "min_load_n": float}
 _READOUT = {"circuit": str, "unselected": str, "supply_v": float, "driver_ohm": float, "load_ohm": float}
@@ -52,7 +57,7 @@ class Scene(base.Scene):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run; ``codes`` int32 and ``force_n``, newtons on each cell, both [frames, rows, columns].
 
     ``parts``: codes and forces of the presses for calibration ("calibration") and of an even press ("even").
@@ -60,8 +65,6 @@ class Recording:
     ``alone``: the conductances of that frame.
     """
 
-    scene: Scene
-    seed: int
     time_s: np.ndarray
     codes: np.ndarray
     force_n: np.ndarray
@@ -70,8 +73,6 @@ class Recording:
     alone: np.ndarray
     shown: int
     over_range: int
-    modelled: tuple
-    left_out: tuple
 
 
 def _fault(where, row, rows, columns):
@@ -86,7 +87,7 @@ def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     expected = _TOP | ({"faults": list} if "faults" in table else {})
-    top, own = base.top(name, table, expected, FEATURES)
+    top, own = base.top(name, table, expected)
     at = f"{where}, [array]"
     array = fields(at, top["array"], _ARRAY)
     between(at, array, {"rows": (1, 1024), "columns": (1, 1024), "min_load_n": (0, 1e6)})
@@ -152,6 +153,19 @@ class _World:
         return self.codes(self.conductance(force_n)), force_n
 
 
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    return COMPONENTS if scene.faults else COMPONENTS[:-1]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    presses = CALIBRATION_STEPS * CALIBRATION_FRAMES + EVEN_FRAMES
+    frames = presses + scene.world["seconds"] * scene.rate_hz
+    cells = scene.rows * scene.columns
+    return _BYTES * frames * cells, f"{frames:.0f} frames of {cells} cells"
+
+
 def simulate(scene, seed=0):
     """Run the scene with one seed, which draws the spread of the cells and the noise."""
     world, table = _World(scene, seed), scene.world
@@ -180,7 +194,6 @@ def simulate(scene, seed=0):
                 scene.readout.load_ohm,
             )
             readings[circuit, unselected] = fsr.output_volts(siemens[shown], readout)
-    modelled = COMPONENTS if scene.faults else COMPONENTS[:-1]
     return Recording(
         scene=scene,
         seed=seed,
@@ -192,8 +205,7 @@ def simulate(scene, seed=0):
         alone=siemens[shown],
         shown=shown,
         over_range=world.over_range,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=modelled(scene),
     )
 
 

@@ -11,23 +11,29 @@ from meissner.physics.rubber import SUPPLY_V
 from meissner.physics.slide import G_MM_S2
 from meissner.physics.stepped import HEAL_S
 from meissner.scenes import base
-from meissner.scenes.hand.parts import FEATURES
 from meissner.scenes.rubber.settings import threshold_code
 from meissner.twins.actuate.grip import BOOST_BITS, RULES, TOP, GripConfig
 from meissner.twins.slip.config import SlipConfig
 
-COMPONENTS = (
-    "rubber divider",
-    "shear step",
-    "partial slip that begins again",
-    "friction of two contacts",
-    "slide with inertia",
-    "position servo with ripple",
-    "grip's compliance",
-    "changing mass",
-    "tug",
-    "adc",
-)
+FEATURES = {
+    "slip": "the reflex reads its windows; [slip] configures it",
+    "grip": "it closes the loop; [grip] configures it",
+}
+WHY = {
+    "rubber divider": "the sensor of each finger",
+    "shear step": "the object's weight shears the rubber",
+    "partial slip that begins again": "first_event and heal_s: events that the reflex answers",
+    "friction of two contacts": "material and friction_spread",
+    "slide with inertia": "whether and how far the object falls",
+    "position servo with ripple": "the hand that carries out the command",
+    "grip's compliance": "closing to force",
+    "changing mass": "poured_kg",
+    "tug": "tugs",
+    "adc": "adc: Vc to codes, with its noise",
+}
+COMPONENTS = tuple(WHY)
+AT_ONCE = 50  # runs that advance together
+_CYCLE_BYTES, _SAMPLE_BYTES = 1000, 64
 
 _TOP = base.SAMPLED | {"slip": dict, "grip": dict, "world": dict}
 _SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float, "threshold_share": float}
@@ -82,15 +88,6 @@ class Scene(base.Sampled):
     grip: dict
     world: dict
     conditions: tuple
-
-    @property
-    def left_out(self):
-        """The COMPONENTS that the scene does not ask for."""
-        return ("changing mass",) * (not self.world["poured_kg"]) + ("tug",) * (not self.world["tugs"])
-
-    @property
-    def modelled(self):
-        return tuple(part for part in COMPONENTS if part not in self.left_out)
 
     def duration_s(self, condition):
         return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
@@ -171,7 +168,7 @@ def _world(where, table):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
-    top, own = base.top(name, table, _TOP, FEATURES)
+    top, own = base.top(name, table, _TOP)
     if top["rate_hz"] % 1000:
         raise ValueError(f"{where}: rate_hz = {top['rate_hz']} must be a multiple of 1000")
     slip = fields(f"{where}, [slip]", top["slip"], _SLIP)
@@ -199,6 +196,19 @@ def build(name, table):
         except ValueError as problem:
             raise ValueError(f"{where}: {problem}") from None
     return scene
+
+
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    off = {"changing mass": not scene.world["poured_kg"], "tug": not scene.world["tugs"]}
+    return tuple(part for part in COMPONENTS if not off.get(part))
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    cycles = sum(1000 * scene.duration_s(one) / one.cycle_ms for one in scene.conditions)
+    runs = min(AT_ONCE, scene.seeds)
+    return _CYCLE_BYTES * cycles + _SAMPLE_BYTES * runs * scene.rate_hz, f"{cycles:.3g} control cycles"
 
 
 def grasp(scene, condition, seed):

@@ -9,13 +9,15 @@ from dataclasses import dataclass
 from meissner.check import between, fields, one_of, positive
 from meissner.physics import plate, rubber
 from meissner.scenes import base
-from meissner.scenes.rubber.parts import FEATURES
-from meissner.scenes.rubber.recording import COMPONENTS, Recording, simulate
+from meissner.scenes.rubber import recording
+from meissner.scenes.rubber.recording import COMPONENTS, WHY, Recording, simulate
 from meissner.scenes.rubber.settings import Slip, codes, settings
 from meissner.twins.slip.config import SlipConfig
 
-__all__ = ["COMPONENTS", "Condition", "Recording", "Scene", "Slip", "build", "simulate"]
+__all__ = ["COMPONENTS", "WHY", "Condition", "Recording", "Scene", "Slip", "build", "simulate"]
 
+FEATURES = {"slip": "its flag is judged against the truth"}
+_BYTES = 400  # per sample: times, volts, forces, details, decisions, as int64 and double
 _TOP = base.SAMPLED | {"slip": dict, "world": dict}
 _WORLD = {
     "press": ("press_start_s", "press_s", "rest_s", "unload_s", "after_s"),
@@ -92,6 +94,18 @@ class Scene(base.Sampled):
         return codes(self.slip, self.adc, self.rate_hz)
 
 
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    found = {part for one in scene.conditions for part in recording.modelled(scene.kind, one)}
+    return [part for part in WHY if part in found]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    samples = sum(scene.duration_s(condition) for condition in scene.conditions) * scene.rate_hz
+    return _BYTES * samples, f"{samples:.3g} samples of the shown runs"
+
+
 def _condition(where, kind, row):
     needed, optional = _CONDITION[kind], _OPTIONAL[kind]
     row = fields(where, row, needed | {key: float for key in optional if key in row})
@@ -109,7 +123,7 @@ def _condition(where, kind, row):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
-    top, own = base.top(name, table, _TOP, FEATURES)
+    top, own = base.top(name, table, _TOP)
 
     slip = settings(f"{where}, [slip]", top["slip"])
     world = dict(top["world"])

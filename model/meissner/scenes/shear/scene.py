@@ -7,7 +7,6 @@ combination of the lists in [world] and its [[world.ways]].
 
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -16,19 +15,25 @@ from meissner.physics import plate, rubber
 from meissner.scenes import base
 from meissner.scenes.rubber.recording import partial_slip
 from meissner.scenes.rubber.settings import Slip, codes, settings
-from meissner.scenes.shear.parts import FEATURES
 from meissner.scenes.shear.published import SLOWEST_MM_S
 
-_SHEARED = (
-    "rubber divider",
-    "normal force profile",
-    "shear step",
-    "deviation of repeated steps",
-    "recovery",
-    "adc",
-)
-_SLIPPED = ("partial slip", "plate friction", "stick-slip")
-COMPONENTS = (*_SHEARED, *_SLIPPED)
+FEATURES = {
+    "slip": "its false alarms are judged; in kind stick_slip also its flag",
+    "shear_speed": "kind speed: its estimates are compared with the stage's speed",
+}
+WHY = {
+    "rubber divider": "the sensor: force and shear to the voltage Vc",
+    "normal force profile": "normal_n is pressed on before the shear",
+    "shear step": "speed_mm_s and moved_mm: the dV that is measured",
+    "deviation of repeated steps": "seeds: each repeats the shear",
+    "recovery": "held_s: recovery of dV",
+    "adc": "adc: Vc to codes, with its noise",
+    "partial slip": "kind stick_slip: first_event",
+    "plate friction": "kind stick_slip: material",
+    "stick-slip": "kind stick_slip: the events to be detected",
+}
+COMPONENTS = tuple(WHY)
+_BYTES = 400  # per sample, as in the scenes of the rubber
 KINDS = ("amount", "speed", "recover", "stick_slip")
 _TOP = base.SAMPLED | {"slip": dict, "world": dict}
 _TIMES = ("press_start_s", "press_s", "shear_start_s", "held_s")
@@ -76,16 +81,14 @@ class Scene(base.Sampled):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run of one case: the converter's codes, the stage's motion, and the ground truth.
 
     ``speed_mm_s``: of the stage; ``moving``: the loading stage moves. ``onset_s``: the first event of partial
     slip, ``gross_s``: the whole contact slips, both None if nothing slips; ``slips_s``: the stick-slips.
     """
 
-    scene: Any
     condition: Case
-    seed: int
     time_s: np.ndarray
     volts: np.ndarray  # before the converter
     codes: np.ndarray
@@ -100,8 +103,6 @@ class Recording:
     onset_s: float | None
     gross_s: float | None
     slips_s: np.ndarray
-    modelled: tuple
-    left_out: tuple
 
 
 def _ways(where, kind, world):
@@ -136,6 +137,24 @@ def _cases(ways, world):
     return tuple(cases)
 
 
+def uses(scene):
+    """The features that the scene uses, each with the reason."""
+    return {name: why for name, why in FEATURES.items() if name == "slip" or scene.kind == "speed"}
+
+
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    return COMPONENTS[: None if scene.kind == "stick_slip" else 6]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    world = scene.world
+    shears_s = sum(case.moved_mm / case.speed_mm_s for case in scene.cases)
+    samples = scene.rate_hz * (shears_s + len(scene.cases) * (world["shear_start_s"] + world["held_s"]))
+    return _BYTES * samples, f"{samples:.3g} samples of the shown runs"
+
+
 def check_supply(scene):
     """ValueError if a lot lifts Vc to the supply. ``build`` omits it: the rubber's curve needs SciPy."""
     for case in scene.cases:
@@ -150,7 +169,7 @@ def check_supply(scene):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
-    top, own = base.top(name, table, _TOP, FEATURES)
+    top, own = base.top(name, table, _TOP)
     slip = settings(f"{where}, [slip]", top["slip"])
 
     inside, world = f"{where}, [world]", dict(top["world"])
@@ -221,11 +240,9 @@ def simulate(scene, case=0, seed=0):
         level, share = slip.level, slip.share
         tension_n, slip_mm, slips_s = pull.tension_n, pull.slip_mm, pull.slips_s
         onset_s, gross_s = float(slip.events_s[0]), float(pull.gross_s)
-        modelled = COMPONENTS
     else:
         spread = 1.0 + rubber.SHEAR_SPREAD * rng.standard_normal()
         level = case.lot * spread * rubber.shear_level(time_s, speed, case.recovers)
-        modelled = _SHEARED
     volts = rubber.volts(normal_n, level, share)
     converted, over_range = scene.adc.convert(volts, rng)
     return Recording(
@@ -246,6 +263,5 @@ def simulate(scene, case=0, seed=0):
         onset_s=onset_s,
         gross_s=gross_s,
         slips_s=slips_s,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=modelled(scene),
     )
