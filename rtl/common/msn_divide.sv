@@ -13,7 +13,7 @@
 //
 // Latency Steps + 1 clocks; a quotient every Steps + 1 clocks.
 // `side` travels along.   Model: model/meissner/twins/common/divide.py
-// Error: at most 1/2 LSB (docs/extremes.md).
+// Error: at most 1/2 LSB (tb/extremes).
 
 module msn_divide #(
   parameter  int unsigned DenBits      = 34,

@@ -9,7 +9,7 @@
 // has x = 0, one row y = 0. S = 0 is divided as 0 / 1: no divider ever gets a zero denominator.
 //
 // Latency: that of msn_divide, both coordinates in parallel; the load travels with them.
-// Error: at most 1/2 LSB of x, y (docs/extremes.md).
+// Error: at most 1/2 LSB of x, y (tb/extremes).
 // Model: model/meissner/twins/cop/cop_divide.py
 
 module msn_cop_divide #(

@@ -10,7 +10,7 @@
 // Samples held but not offered when a frame begins would wait for ever: they are discarded. Only an upset causes this.
 //
 // Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/twins/frontend/adc_store.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_adc_store #(
   parameter  int unsigned Channels     = 8,

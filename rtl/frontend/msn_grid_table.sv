@@ -12,7 +12,7 @@
 //
 // The words follow take_i by 6 clocks, a beat a clock. No stage stalls, so none needs a clock enable, and the
 // memories' slow outputs have a full clock.   Model: model/meissner/twins/frontend/calibrate.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_grid_table #(
   parameter  int unsigned Rows       = 1024,

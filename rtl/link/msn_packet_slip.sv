@@ -12,7 +12,7 @@
 // the checksum is shifted out. out_begin_o rises with the event. The time is that of the last convert start
 // before the event was offered, in clocks since reset. Convert starts while an event waits are not recorded: an
 // event of a sample delayed by such a wait has the time of the last convert start before the wait.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/link/packet_slip.py
 
 module msn_packet_slip #(

@@ -9,7 +9,7 @@
 // A sample is taken (in_ready_o) 2*Steps + 1 clocks after it is first offered, with actuator_moving_i of that
 // clock; the decision follows one clock later. Steps: the power of two of digits that holds p2p with a digit to spare
 // and a timer's sign. Model: model/meissner/twins/slip/slip_serial.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_slip_serial #(
   parameter  int unsigned SampleBits = 17,
