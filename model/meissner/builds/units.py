@@ -18,6 +18,8 @@ from math import ceil, isqrt
 
 import numpy as np
 
+from meissner.tables import exact
+
 FRACTION_BITS = 14  # of x and y in a CoP packet
 CODES = {  # (register, quantity): method of Units that converts the amount to a code
     ("slip.threshold", "volts"): "detail_code",
@@ -41,11 +43,6 @@ CODES = {  # (register, quantity): method of Units that converts the amount to a
     ("grip.period", "seconds"): "clocks",
     ("scan.settle", "seconds"): "settle_clocks",
 }
-
-
-def exact(value):
-    """The exact value of the number as written in decimal."""
-    return value if isinstance(value, (int, Fraction)) else Fraction(repr(float(value)))
 
 
 def floor_root(value, level):
