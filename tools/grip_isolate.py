@@ -31,7 +31,7 @@ CASES = {
     "felt050": {"felt": 0.5},
     "mu_and_mass133": {"mu": 4 / 3, "mass": 4 / 3},
     "mass075": {"mass": 0.75},
-    "threshold0075": {"threshold_v": 0.0075},
+    "threshold0075": {"threshold_p2p_v": 0.015},
     "heal002": {"heal_s": 0.02},
     "step025": {"step_mm": 0.025},
 }
@@ -41,7 +41,7 @@ def hold(runs, seconds, felt=1.0, mu=1.0, mass=1.0, **condition):
     """The row of one case."""
     scene = scenes.load("grip_release")
     glass, rest_volts = drawn.grasp(scene, scene.conditions[0], SEED), rubber.rest_volts
-    settings = {"threshold_v": 0.01, "step_mm": 0.0125, "duration_s": seconds} | condition
+    settings = {"threshold_p2p_v": 0.02, "step_mm": 0.0125, "duration_s": seconds} | condition
     only = dataclasses.replace(scene.conditions[0], **settings)
     scene = dataclasses.replace(scene, conditions=(only,))
     mu_s, mu_k = np.array(glass.mu_s) * mu, np.array(glass.mu_k) * mu

@@ -7,6 +7,7 @@ engine. ``make fmax`` measures the clocks, memory and Fmax of each kind.
 from dataclasses import replace
 
 import numpy as np
+from msgspec import structs
 
 from meissner import scenes
 from meissner.engines import fixed
@@ -24,7 +25,7 @@ def main():
     for window, hop, level in ((64, 64, 1), (64, 32, 1), (64, 2, 1), (32, 2, 1), (16, 2, 1), (64, 4, 2)):
         verdicts = []
         for recording in recordings:
-            slip = replace(recording.scene.slip, window=window, hop=hop, level=level)
+            slip = structs.replace(recording.scene.slip, window=window, hop=hop, level=level)
             config = replace(recording.scene, slip=slip).slip_config()
             watched = fixed.watch(recording.codes[None], config)
             verdicts.append(judge(recording, watched.state[0], config))

@@ -10,7 +10,8 @@ Numbers stay as Python's floats, whose shortest decimal is what the file says; `
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
 from reprlib import Repr
@@ -36,7 +37,7 @@ _NAMES = {
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
 Share = Annotated[float, Meta(ge=0, le=1)]
-Count = Annotated[int, Meta(ge=1)]
+Count = Annotated[int, Meta(gt=0)]
 
 
 class Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -114,6 +115,15 @@ def read(kind: type[T], table: object, where: str = "") -> T:
         raise ValueError(_sentence(problem, kind, table, where)) from None
 
 
+@contextmanager
+def naming(place: str) -> Iterator[None]:
+    """The sentence of a check inside begins with ``place``: of a block, or of several keys together."""
+    try:
+        yield
+    except ValueError as problem:
+        raise ValueError(f"{place}: {problem}") from None
+
+
 def values(struct: msgspec.Struct) -> dict[str, Any]:
     """The keys of a struct with their values."""
     return msgspec.structs.asdict(struct)
@@ -127,8 +137,8 @@ def _sizes(value: object, where: str, path: list[str]) -> None:
             if isinstance(entry, dict):
                 _sizes(entry, where, [*path, f"[{key}]" if entries is inner else key])
             elif isinstance(entry, int | float) and entry and not SMALLEST <= abs(entry) <= LARGEST:
-                finite = abs(entry) < float("inf")
-                limits = f"lie in {SMALLEST:g} .. {LARGEST:g} in size, or be 0" if finite else "be a finite number"
+                limits = f"lie in {SMALLEST:g} .. {LARGEST:g} in size, or be 0"
+                limits = limits if abs(entry) < float("inf") else "be a finite number"
                 raise ValueError(f"{_where(where, path)}{key} = {shown(entry)} must {limits}")
 
 
@@ -142,7 +152,7 @@ def _where(where: str, path: list[str]) -> str:
 
 
 def _chosen(kind: Any, value: object) -> Any:
-    """The member of a union that the value means: of tagged tables by the tag, else the one that is not None."""
+    """The member of a union that the value means: a table by its tag, else the one that is not None."""
     if not isinstance(kind, kinds.UnionType):
         return kind
     members = [each for each in kind.types if not isinstance(each, kinds.NoneType)]
@@ -156,7 +166,7 @@ def _find(problem: msgspec.ValidationError, kind: type, table: Any, where: str) 
     said = said or at
     path: list[str] = []
     place = _Place(where, table, kinds.type_info(kind), "", table, kinds.type_info(kind), False)
-    for name, index in _STEP.findall(at) if said != at else ():
+    for name, index in _STEP.findall(at.rstrip("`")) if said != at else ():
         if index:
             inner = place.kind
             value = place.value[int(index)]
@@ -241,8 +251,8 @@ def _demand(place: _Place) -> str:
             return f"there must be at least one [[{_inside(place.where, key)}]]"
         several = kind.item_types if isinstance(kind, kinds.TupleType) else ()
         inner = _chosen(several[0] if several else kind.item_type, None)
-        many = len(several) or "one or more"
-        return f"{key} = {shown(value)} must be a list of {many} {_NAMES.get(type(inner), ('', 'entries'))[1]}"
+        many, of = len(several) or "one or more", _NAMES.get(type(inner), ("", "entries"))[1]
+        return f"{key} = {shown(value)} must be a list of {many} {of}"
     fits = isinstance(value, int | float) and not isinstance(value, bool)
     fits = fits and (isinstance(value, int) or isinstance(kind, kinds.FloatType))
     if not (fits and isinstance(kind, kinds.IntType | kinds.FloatType)):
@@ -251,8 +261,9 @@ def _demand(place: _Place) -> str:
 
 
 def _limits(above: float | None, least: float | None, most: float | None) -> str:
+    """Of a whole number, msgspec states "above 0" as "at least 1"."""
     if above is not None:
         return f"be above {above:g}" + ("" if most is None else f" and at most {most:g}")
-    if most is None:
-        return "not be negative" if least == 0 else f"be at least {least:g}"
+    if most is None and least is not None:
+        return {0: "not be negative", 1: "be above 0"}.get(least, f"be at least {least:g}")
     return f"be at most {most:g}" if least is None else f"lie in {least:g} .. {most:g}"

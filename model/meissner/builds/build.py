@@ -56,7 +56,9 @@ class Config:
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the array; one row of channels without one."""
-        return (self.sensor.rows, self.sensor.columns) if isinstance(self.sensor, Taxels) else (1, self.channels)
+        return (
+            (self.sensor.rows, self.sensor.columns) if isinstance(self.sensor, Taxels) else (1, self.channels)
+        )
 
     @property
     def channels(self) -> int:

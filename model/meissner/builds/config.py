@@ -9,8 +9,6 @@ docs/config.md describes the tables. Every mistake raises ValueError in one sent
 """
 
 from argparse import Namespace
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +19,7 @@ from meissner.builds import four_wires, keys
 from meissner.builds.build import Config, verilog
 from meissner.builds.stages import STAGES
 from meissner.plain import plain
-from meissner.tables import Table, one_of, parse
+from meissner.tables import Table, naming, one_of, parse
 from meissner.tables import read as read_table
 from meissner.twins.frontend.adc_spi import AdcSpi
 
@@ -75,15 +73,6 @@ class _Top(Table, forbid_unknown_fields=False):
     sensor: dict[str, Any]
 
 
-@contextmanager
-def _at(table: str) -> Iterator[None]:
-    """A block's own check of a table's values, as a sentence that names the table."""
-    try:
-        yield
-    except ValueError as problem:
-        raise ValueError(f"[{table}]: {problem}") from None
-
-
 def read(name: str, tables: dict[str, Any]) -> Config:
     """A build from its tables.
 
@@ -101,7 +90,7 @@ def read(name: str, tables: dict[str, Any]) -> Config:
     """
     try:
         kind = read_table(_Top, tables).sensor.get("kind")
-        with _at("sensor"):
+        with naming("[sensor]"):
             one_of("kind", kind, keys.FILES)
         return _read(name, read_table(keys.FILES[str(kind)], tables))
     except (OverflowError, ZeroDivisionError):
@@ -131,25 +120,25 @@ def _read(name: str, file: Any) -> Config:
             tare=(file.tare or keys.Tare()) if array.tare else None,
         )
     else:
-        with _at("adc"):
+        with naming("[adc]"):
             AdcSpi(part, base.channels, file.adc.lanes, clk_khz, sclk_khz)
     if isinstance(file, keys.ElectrodesFile):
         bits, mesh, load = part.data_bits, file.mesh, file.load
         converter = four_wires.Converter(bits=bits, reference_v=file.adc.volts, gain=load.gain)
-        cop4 = four_wires.config("[load]", mesh.mesh(mesh.r_ohm), converter, load.gain, load)
+        cop4 = four_wires.config("[load]", mesh.mesh(mesh.r_ohm), converter, load)
         base = replace(base, cop4=cop4)
         if file.cop_slip:
-            with _at("cop_slip"):
+            with naming("[cop_slip]"):
                 base = replace(base, cop_slip=file.cop_slip.codes(base.rate_hz, cop4.load_lsb_n))
         return base.check()
     if file.slip:
-        with _at("slip"):
+        with naming("[slip]"):
             base = replace(base, serial=file.slip.serial, slip=file.slip.codes(base.units))
     stages = {}
     for stage, module in STAGES.items():
         given = getattr(file, stage, None)
         if given:
-            with _at(stage):
+            with naming(f"[{stage}]"):
                 stages[stage] = module.config(given, base)
     return replace(base, stages=stages).check()
 

@@ -40,7 +40,7 @@ def load(path: str | Path) -> Cop4Config:
         return _of_build(path)
     keys = read(Keys, tables, str(path))
     mesh = keys.mesh.mesh(keys.mesh.r_ohm)
-    return four_wires.config(str(path), mesh, keys.converter, keys.converter.gain, keys.load)
+    return four_wires.config(str(path), mesh, keys.converter, keys.load)
 
 
 def _of_build(path: str | Path) -> Cop4Config:

@@ -2,14 +2,14 @@
 
 from fractions import Fraction
 from math import ceil
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from msgspec import Meta
 
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import MAX_BITS, MIN_BITS, TOUCHES, Cop4Config
 from meissner.physics.mesh import Mesh
-from meissner.tables import NotNegative, Positive, Table, exact, one_of
+from meissner.tables import NotNegative, Positive, Table, exact, naming, one_of
 from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
 
 Side = Annotated[int, Meta(ge=1, le=1024)]
@@ -50,7 +50,7 @@ class NoisyConverter(Converter):
 
 
 class Load(Table):
-    """[load]: newtons of one code, the least load with a position, the touch that the load is corrected for."""
+    """[load]: newtons of one code, least load with a position, touch that the load is corrected for."""
 
     lsb_n: Positive
     min_n: Positive
@@ -63,8 +63,10 @@ class Load(Table):
 class CopSlipKeys(Table):
     """[cop_slip] of a build and of a scene: shares of the load and of the half range, times in ms."""
 
-    RENAMED = {"min_n": ("min_load_n", 1)}
-    RENAMED |= {f"{key}_s": (f"{key}_ms", 1000) for key in ("lag", "hold", "refractory")}
+    RENAMED: ClassVar = {
+        "min_n": ("min_load_n", 1),
+        **{f"{key}_s": (f"{key}_ms", 1000) for key in ("lag", "hold", "refractory")},
+    }
     lag_ms: Positive = 16.0
     drop: Annotated[float, Meta(ge=0, le=0.99)] = 0.3
     move: Annotated[float, Meta(ge=0, le=1.99)] = 0.0
@@ -87,17 +89,15 @@ class CopSlipKeys(Table):
         return lag, registers
 
 
-def config(where: str, mesh: Mesh, converter: Converter, gain: float, load: Load) -> Cop4Config:
+def config(where: str, mesh: Mesh, converter: Converter, load: Load) -> Cop4Config:
     """The sensor of three tables; ``where`` begins the sentence of a ValueError."""
     full = converter.reference_v
-    try:
+    with naming(where):
         return Cop4Config(
             mesh=mesh,
             adc=Adc(converter.bits, -full, full, getattr(converter, "noise_v", 0.0)),
-            gain=gain,
+            gain=converter.gain,
             load_lsb_n=load.lsb_n,
             min_load_n=load.min_n,
             touch=load.correction,
         )
-    except ValueError as problem:
-        raise ValueError(f"{where}: {problem}" if where else str(problem)) from None

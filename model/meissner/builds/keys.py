@@ -129,8 +129,8 @@ class File(Table):
     def unknown(cls, key: str, value: object) -> str | None:
         if key == "converter":
             return (
-                "[converter] belongs in a file for `meissner process cop4` (docs/cop4.md); a build has [clock], "
-                "[sensor] and [adc] instead"
+                "[converter] belongs in a file for `meissner process cop4` (docs/cop4.md); a build has "
+                "[clock], [sensor] and [adc] instead"
             )
         kinds = [kind for kind, file in FILES.items() if key in file.__struct_fields__]
         if kinds:

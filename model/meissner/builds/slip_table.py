@@ -91,7 +91,7 @@ class SlipVolts(SlipTable, kw_only=True):
     """[slip] of a sensor whose samples are volts."""
 
     UNIT = "v"
-    RENAMED = {f"{key}threshold_v": (f"{key}threshold_p2p_v", 1) for key in ("", "gross_", "keep_")}
+    RENAMED: ClassVar = {f"{key}threshold_v": (f"{key}threshold_p2p_v", 1) for key in ("", "gross_", "keep_")}
     threshold_p2p_v: NotNegative
     gross_threshold_p2p_v: NotNegative
     keep_threshold_p2p_v: NotNegative | None = None
@@ -102,7 +102,7 @@ class SlipVolts(SlipTable, kw_only=True):
 class SlipOfScene(SlipVolts):
     """[slip] of a scene, where the threshold was on the coefficient and times were in seconds."""
 
-    RENAMED = {
+    RENAMED: ClassVar = {
         **{key: (name, 2) for key, (name, _) in SlipVolts.RENAMED.items()},
         **{f"{key}_s": (f"{key}_ms", 1000) for key in ("hold", "refractory", "blank")},
         **{f"{key}_v": (f"{key}_level_v", 1) for key in ("contact", "release")},
@@ -118,7 +118,7 @@ class SlipNewtons(SlipTable, kw_only=True):
     """[slip] of an array, whose samples are the newtons of a taxel."""
 
     UNIT = "n"
-    RENAMED = {f"{key}threshold_n": (f"{key}threshold_p2p_n", 1) for key in ("", "gross_", "keep_")}
+    RENAMED: ClassVar = {f"{key}threshold_n": (f"{key}threshold_p2p_n", 1) for key in ("", "gross_", "keep_")}
     contact_rises: bool = True
     threshold_p2p_n: NotNegative
     gross_threshold_p2p_n: NotNegative

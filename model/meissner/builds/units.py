@@ -13,7 +13,6 @@ Exact: a number means exactly its written decimal, 0.57 is 57/100. In floating p
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from math import ceil, isqrt
 
 import numpy as np

@@ -1,12 +1,33 @@
 """The keys that every scene has, and their check: names, features; in sampled scenes converter and rate."""
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
-from meissner.check import fields, one_of, positive
+from meissner import tables
 from meissner.physics.adc import PARTS, Adc
+from meissner.tables import Count, Table, one_of
 
-TOP = {"title": str, "sensor": str, "features": list}
-SAMPLED = TOP | {"adc": str, "rate_hz": int, "seeds": int}
+
+class Keys(Table):
+    """The keys of every scene's file."""
+
+    title: str
+    sensor: str
+    features: list[str]
+
+
+class SampledKeys(Keys):
+    """Those of a scene with a converter."""
+
+    adc: str
+    rate_hz: Count
+    seeds: Count
+
+    def __post_init__(self) -> None:
+        one_of("adc", self.adc, PARTS)
+
+
+K = TypeVar("K", bound=Keys)
 
 
 @dataclass(frozen=True)
@@ -32,21 +53,18 @@ class Sampled(Scene):
         return PARTS[self.adc_part]
 
 
-def top(name, table, expected, features):
-    """(the checked table of scene ``name``, the fields of Scene in it); ValueError with one sentence.
+def read(
+    name: str, table: dict[str, Any], kind: type[K], features: dict[str, str]
+) -> tuple[K, dict[str, Any]]:
+    """(the file of scene ``name`` as a ``kind``, the fields of Scene in it); ValueError with one sentence.
 
-    ``expected``: {key: kind}, including TOP or SAMPLED; ``features``: those that its sensor can use.
+    ``features``: those that its sensor can use.
     """
     where = f"scene {name}"
-    given = fields(where, table, expected)
-    if "adc" in expected:
-        one_of(where, "adc", given["adc"], tuple(PARTS))
-    positive(where, given, [key for key in ("rate_hz", "seeds") if key in expected])
-    for feature in given["features"]:
-        one_of(where, "features", feature, tuple(features))
-    own = {"name": name, "title": given["title"], "sensor": given["sensor"]}
-    own["features"] = tuple(given["features"])
-    own |= {key: given[key] for key in ("rate_hz", "seeds") if key in expected}
-    if "adc" in expected:
-        own["adc_part"] = given["adc"]
-    return given, own
+    keys = tables.read(kind, table, where)
+    with tables.naming(where):
+        for feature in keys.features:
+            one_of("features", feature, features)
+    own = {"name": name, "title": keys.title, "sensor": keys.sensor, "features": tuple(keys.features)}
+    own |= {key: getattr(keys, key) for key in ("rate_hz", "seeds") if hasattr(keys, key)}
+    return keys, own | ({"adc_part": keys.adc} if isinstance(keys, SampledKeys) else {})

@@ -112,7 +112,7 @@ def _core(engine, seed):
 
     built = config.load("full")
     frames = CORE_FRAMES["rtl" if engine in engines.VERILATED else "fixed"]
-    shape = built.sensor["rows"], built.sensor["columns"]
+    shape = built.shape
     codes = press(*shape, (1 << built.part.data_bits - built.part.signed) - 1, seed)[64 : 64 + frames]
     if engine in engines.VERILATED:
         from meissner.engines.rtl_core import CoreOnPins
