@@ -33,6 +33,7 @@ _NAMES = {
     kinds.StrType: ("text", "texts"),
     kinds.BoolType: ("true or false", "switches"),
     kinds.StructType: ("a table", "tables"),
+    kinds.DictType: ("a table", "tables"),
 }
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]

@@ -248,7 +248,7 @@ class Config:
         if self.link.baud * 4 > self.clk_khz * 1000:
             most = self.clk_khz * 250
             raise ValueError(
-                f"[link]: baud = {self.link['baud']} must be at most {most}, a quarter of the clock"
+                f"[link]: baud = {self.link.baud} must be at most {most}, a quarter of the clock"
             )
         if self.link.images:
             self._images_pass()
@@ -263,7 +263,7 @@ class Config:
         if room < image:
             needed = ceil(10 * (image + self.link.baud / 10 - room))
             raise ValueError(
-                f"[link]: baud = {self.link['baud']} is too slow for images: with {self.rate_hz:g} CoP "
+                f"[link]: baud = {self.link.baud} is too slow for images: with {self.rate_hz:g} CoP "
                 f"frames and one image a second it must be at least {needed}"
             )
 

@@ -1,16 +1,13 @@
 """Tables of the four-wire sensor in scenes, builds and files of ``meissner process cop4`` (docs/cop4.md)."""
 
-from fractions import Fraction
-from math import ceil
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from msgspec import Meta
 
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import MAX_BITS, MIN_BITS, TOUCHES, Cop4Config
 from meissner.physics.mesh import Mesh
-from meissner.tables import NotNegative, Positive, Table, exact, naming, one_of
-from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
+from meissner.tables import Positive, Table, naming, one_of
 
 Side = Annotated[int, Meta(ge=1, le=1024)]
 
@@ -58,35 +55,6 @@ class Load(Table):
 
     def __post_init__(self) -> None:
         one_of("correction", self.correction, TOUCHES)
-
-
-class CopSlipKeys(Table):
-    """[cop_slip] of a build and of a scene: shares of the load and of the half range, times in ms."""
-
-    RENAMED: ClassVar = {
-        "min_n": ("min_load_n", 1),
-        **{f"{key}_s": (f"{key}_ms", 1000) for key in ("lag", "hold", "refractory")},
-    }
-    lag_ms: Positive = 16.0
-    drop: Annotated[float, Meta(ge=0, le=0.99)] = 0.3
-    move: Annotated[float, Meta(ge=0, le=1.99)] = 0.0
-    min_load_n: Annotated[float, Meta(ge=0, le=60)] = 0.0
-    hold_ms: NotNegative = 0.0
-    refractory_ms: NotNegative = 0.0
-
-    def codes(self, rate_hz: float | Fraction, load_lsb_n: float) -> tuple[int, CopSlipRegisters]:
-        """(lag in samples, the registers), the least load rounded up, the rest to the nearest."""
-        samples = exact(rate_hz) / 1000
-        lag = max(1, round(exact(self.lag_ms) * samples))
-        registers = CopSlipRegisters(
-            drop=round(256 * exact(self.drop)),
-            move=round(16384 * exact(self.move)),
-            min_load=ceil(exact(self.min_load_n) / exact(load_lsb_n)),
-            hold=round(exact(self.hold_ms) * samples),
-            refractory=round(exact(self.refractory_ms) * samples),
-        )
-        CopSlip(lag, registers)  # whose check it is
-        return lag, registers
 
 
 def config(where: str, mesh: Mesh, converter: Converter, load: Load) -> Cop4Config:

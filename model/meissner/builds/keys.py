@@ -5,10 +5,11 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from meissner.builds.four_wires import CopSlipKeys, Load, MeshKeys
+from meissner.builds.cop_tables import Cop, CopSlipKeys
+from meissner.builds.four_wires import Load, MeshKeys
 from meissner.builds.slip_table import SlipNewtons, SlipVolts
 from meissner.builds.stages import STAGES
-from meissner.tables import NotNegative, Positive, Table, one_of, shown
+from meissner.tables import Positive, Table, one_of, shown
 from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
 from meissner.twins.frontend.adc_spi import Part
 
@@ -100,12 +101,6 @@ class Tare(Table):
 
     contact_codes: int = 64
     step: int = 1
-
-
-class Cop(Table):
-    """[cop]: pressed from this load on."""
-
-    min_load_n: NotNegative = 0.0
 
 
 class AmplifiedLoad(Load):

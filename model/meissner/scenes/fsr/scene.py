@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from msgspec import Meta
 
-from meissner.builds.keys import Cop
+from meissner.builds.cop_tables import Cop
 from meissner.physics import fsr, mesh_loads, patches
 from meissner.physics.adc import Adc
 from meissner.scenes import base

@@ -7,6 +7,7 @@ import numpy as np
 from msgspec import Meta
 
 from meissner.builds import four_wires
+from meissner.builds.cop_tables import CopSlipKeys
 from meissner.physics import grip, mesh_loads, plate
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Solution
@@ -65,7 +66,7 @@ class Keys(base.Keys):
     mesh: four_wires.MeshKeys
     converter: four_wires.NoisyConverter
     load: four_wires.Load
-    cop_slip: four_wires.CopSlipKeys
+    cop_slip: CopSlipKeys
     world: World
 
 
