@@ -17,8 +17,8 @@ export PYTHONUTF8 := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures bench clean
-.PHONY: pages formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
+.PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
+.PHONY: nightly powerup fuzz extremes regress test-icarus
 
 help:  ## print this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -26,7 +26,7 @@ help:  ## print this list
 # `make -j 2` installs the packages of .sim and .synth at the same time. Both need platformdirs, so it comes first; no
 # other package is in both, and no package brings others with it.
 $(PYENV): $(wildcard requirements/*.txt) pyproject.toml $(if $(wildcard $(BEGUN)),again)
-	@$(PYTHON) tools/check_machine.py
+	@$(PYTHON) tools/make/check_machine.py
 	@# An interrupted set-up looks complete to make and to pip: start over.
 	@if test -e $(BEGUN) || ! $(BIN)/python -m pip --version >/dev/null 2>&1; then rm -rf .venv; fi
 	@mkdir -p .venv && touch $(BEGUN)
@@ -65,13 +65,10 @@ test:  ## run lint, the twins' tests and all cocotb regressions
 	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
 
 test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes, more builds, netlists
-	@MEISSNER_COCOTB=plain $(BIN)/python -m pytest -n $(JOBS) -m "long or big"
+	@MEISSNER_COCOTB=plain $(BIN)/python -m pytest -n $(JOBS) --timeout 7200 -o faulthandler_timeout=7260 -m "long or big"
 
 test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link tb/actuate
-
-faults: $(SIM)  ## inject faults into every block and record their effects: docs/trust/faults.json, docs/faults.md
-	@$(BIN)/python tools/faults.py --record $(BLOCKS)
 
 fuzz: $(SIM)  ## give a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
 	@$(BIN)/python tools/fuzz.py --record $(FUZZ)
@@ -84,61 +81,37 @@ regress: $(SIM)  ## test blocks in SEEDS=N random sizes with random stimulus [RE
 	@$(BIN)/python tools/regress.py $(SEEDS) --jobs $(JOBS) --record $(REGRESS)
 
 lint: $(SIM)  ## run Verilator -Wall and slang on every module as its own top, Verible, ruff
-	@$(BIN)/python tools/lint.py
-
-coverage: $(SIM)  ## measure coverage of the RTL and its twins: docs/trust/coverage.json [BLOCKS="haar slip"]
-	@$(BIN)/python tools/cover.py --record --jobs $(JOBS) $(BLOCKS)
+	@$(BIN)/python tools/make/lint.py
 
 powerup: $(SIM)  ## power up each block twenty times with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
 	@$(BIN)/python tools/powerup.py --record --jobs $(JOBS) $(BLOCKS)
 
 registers: $(SIM)  ## write RTL, Python map, C header and page of the registers from rtl/registers.rdl
-	@$(BIN)/python tools/registers.py
+	@$(BIN)/python tools/make/registers.py
 
 blocks: $(SIM)  ## write docs/blocks.md from the headers of the sources, and their list for FuseSoC: meissner.core
-	@$(BIN)/python tools/blocks.py --page
-
-pages: $(SIM)  ## write all pages again that are made from records or sources; runs no evidence
-	@for tool in $$(grep -l '"--page"' tools/*.py); do $(BIN)/python "$$tool" --page >/dev/null || exit 1; done
+	@$(BIN)/python tools/make/blocks.py --page
 
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
-	@$(BIN)/python tools/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))
+	@$(BIN)/python tools/make/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))
 
-resources: $(SYNTH)  ## constraints/resources.json and docs/boards.md: every board with every configuration, three seeds each
-	@$(BIN)/python tools/synth.py --record
+resources: $(SYNTH)  ## constraints/resources.json: every board with every configuration, three seeds each
+	@$(BIN)/python tools/make/synth.py --record
 
 gate: $(SYNTH)  ## compare every board's netlist with its sources: the same codes in, the same bytes out
-	@$(BIN)/python tools/gate.py $(BOARD) $(CONFIG)
+	@$(BIN)/python tools/make/gate.py $(BOARD) $(CONFIG)
 
 gate-scenes: $(SYNTH)  ## compare every scene on twins, RTL and netlist, bit for bit [SCENES="cop_slip grip_pour"]
-	@$(BIN)/python tools/gate.py --scenes $(SCENES)
+	@$(BIN)/python tools/make/gate.py --scenes $(SCENES)
 
 fmax: $(SYNTH)  ## measure Fmax and area of blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
-	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
+	@$(BIN)/python tools/make/fmax.py --jobs $(JOBS) $(FMAX)
 
-figures: $(SYNTH)  ## the figures of scenes and tools: docs/figures.json, docs/results.md, README [FIGURES="cop_slip"]
-	@$(BIN)/python tools/figures.py --record $(FIGURES)
+figures: $(SYNTH)  ## measure the figures of a version: docs/results.md and the pages of results [FIGURES="cop_slip"]
+	@$(BIN)/python tools/make/figures.py $(FIGURES)
 
-formal: $(FORMAL)  ## prove the blocks by k-induction, with two solvers each: docs/trust/formal.json
-	@$(BIN)/python tools/formal.py --record --jobs $(JOBS) $(BLOCKS)
-
-formal-mutants: $(FORMAL)  ## check that proofs fail for broken blocks, 50 mutants each [BLOCKS=...]
-	@$(BIN)/python tools/formal.py --mutants 50 --record --jobs $(JOBS) $(BLOCKS)
-
-equivalence: $(SYNTH)  ## prove every block's netlist and reset equal to its source: docs/trust/equivalence.json
-	@$(BIN)/python tools/equivalence.py --record --jobs $(JOBS) $(BLOCKS)
-
-mutants: $(SYNTH)  ## test mutants of every block with the block's own tests: docs/mutants.md [BLOCKS="haar slip"]
-	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(BLOCKS)
-
-mutants-quick: $(SYNTH)  ## test a few mutants of a few quick blocks, and that the tool can fail; also in make test
-	@$(BIN)/python -m pytest -n $(JOBS) tb/verify/test_mutants.py
-
-trust: $(FORMAL)  ## collect all evidence again, which takes hours: docs/trust.md, README's line [TRUST=--due]
-	@$(BIN)/python tools/trust.py --jobs $(JOBS) $(TRUST)
-
-bench: $(SIM)  ## measure samples per second of each engine and the time of a scene
-	@$(BIN)/python tools/bench_engines.py
+nightly: $(FORMAL)  ## proofs, netlists, faults, mutants, coverage, boards against tb/limits.toml [KINDS= BLOCKS= SINCE=HEAD~1]
+	@PYTHONPATH=tools $(BIN)/python -m nightly $(BLOCKS) --jobs $(JOBS) $(if $(KINDS),--kinds $(KINDS)) $(if $(SINCE),--since $(SINCE)) $(if $(MINUTES),--minutes $(MINUTES))
 
 clean:  ## remove build/ (the environment in .venv stays; remove it by hand)
 	rm -rf build

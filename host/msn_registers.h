@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`. */
+ * Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`. */
 #ifndef MSN_REGISTERS_H
 #define MSN_REGISTERS_H
 

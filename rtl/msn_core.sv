@@ -269,7 +269,7 @@ module msn_core #(
   );
 
   // Packets to the host, commands from it.
-  msn_core_link #(
+  msn_link #(
     .ClkKhz(ClkKhz), .BaudHz(BaudHz), .SlipOnly(SlipOnly), .Uart(Uart), .Registers(Registers), .Array(Array),
     .DetailBits(DetailBits), .SlipDepth((Slip || CopSlip) ? SlipDepth : 0), .Cop(Array || Cop4),
     .Health(Health), .Statistics(Statistics), .StatisticBits(StatisticBits), .Taxels(Image ? Taxels : 0),

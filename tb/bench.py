@@ -6,9 +6,9 @@ and beats: stimulus.py."""
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
 
-from bodies import applies, whole
-from runner import COVERAGE_FLAGS, ONES, passed, refuses, run
-from stimulus import (
+from harness.applicable import applies, whole
+from harness.runner import COVERAGE_FLAGS, ONES, passed, refuses, run
+from harness.stimulus import (
     SEED,
     as_signed,
     column,
@@ -28,7 +28,7 @@ from stimulus import (
     unnumbered,
     width,
 )
-from streams import (
+from harness.streams import (
     clocks,
     force_frame,
     high,

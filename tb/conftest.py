@@ -1,7 +1,6 @@
 """Builds that `make test` leaves to `make test-long`, while it runs other builds of the same blocks. Coverage
 counts these builds too. Long tests of the tools that make evidence are listed with them."""
 
-import gc
 import os
 from pathlib import Path
 
@@ -11,14 +10,7 @@ os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.tool
 # Each worker is a process: extra BLAS threads for small matrices wait for each other and double the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
-import ahead
-import bodies
-import drawing
-import together
-import units
-from meissner.engines import verilated
-
-verilated.compiled = units.without_make
+from harness import applicable, drawing, shared_builds
 
 BIG = [
     "tb/boards/test_rows.py::test_rows[16-3]",
@@ -54,7 +46,7 @@ BIG = [
     "tb/core/test_axis.py::test_axis[electrodes]",
     "tb/core/test_core.py::test_core[channels]",
     "tb/core/test_core.py::test_core_of_a_stream[array]",
-    "tb/coverage/test_coverage.py::test_a_small_block_has_no_hole",
+    "tb/nightly/test_cover.py::test_a_small_block_has_no_hole",
     "tb/engines/test_core_engine.py::test_every_packet_is_the_models[full]",
     "tb/engines/test_core_engine.py::test_every_taxel_that_slips_is_reported[full]",
     "tb/engines/test_engines.py::test_any_number_of_channels[5]",
@@ -99,20 +91,23 @@ BIG = [
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters0]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters1]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters5]",
-    "tb/verify/test_equivalence.py::test_a_state_while_a_bit_is_0_is_a_condition",
-    "tb/verify/test_equivalence.py::test_resets_hold_with_what_is_taken_for_granted",
-    "tb/verify/test_faults.py::test_a_run_in_which_nothing_comes_out_is_refused",
-    "tb/verify/test_faults.py::test_finds_bytes_that_stay_wrong",
-    "tb/verify/test_faults.py::test_finds_damage_that_nobody_reports",
-    "tb/verify/test_faults.py::test_no_fault_is_undetected[frame_filter]",
-    "tb/verify/test_faults.py::test_no_fault_is_undetected[skid]",
-    "tb/verify/test_formal.py::test_holds[grip]",
-    "tb/verify/test_formal.py::test_holds[packet]",
-    "tb/verify/test_formal.py::test_holds[scan_plan]",
-    "tb/verify/test_mutants.py::test_a_weak_test_leaves_survivors_that_the_solver_distinguishes",
-    "tb/verify/test_mutants.py::test_quick_blocks_kill_theirs[fork]",
-    "tb/verify/test_mutants.py::test_quick_blocks_kill_theirs[round_sat]",
-    "tb/verify/test_mutants.py::test_shows_equivalence_and_never_of_a_killed_mutant",
+    "tb/nightly/test_netlists.py::test_a_state_while_a_bit_is_0_is_a_condition",
+    "tb/nightly/test_netlists.py::test_resets_hold_with_what_is_taken_for_granted[adc_store]",
+    "tb/nightly/test_netlists.py::test_resets_hold_with_what_is_taken_for_granted[delay]",
+    "tb/nightly/test_netlists.py::test_resets_hold_with_what_is_taken_for_granted[multiply]",
+    "tb/nightly/test_netlists.py::test_resets_hold_with_what_is_taken_for_granted[uart_rx]",
+    "tb/nightly/test_faults.py::test_a_run_in_which_nothing_comes_out_is_refused",
+    "tb/nightly/test_faults.py::test_finds_bytes_that_stay_wrong",
+    "tb/nightly/test_faults.py::test_finds_damage_that_nobody_reports",
+    "tb/nightly/test_faults.py::test_no_fault_is_undetected[frame_filter]",
+    "tb/nightly/test_faults.py::test_no_fault_is_undetected[skid]",
+    "tb/nightly/test_proofs.py::test_holds[grip]",
+    "tb/nightly/test_proofs.py::test_holds[packet]",
+    "tb/nightly/test_proofs.py::test_holds[scan_plan]",
+    "tb/nightly/test_mutants.py::test_a_weak_test_leaves_survivors_that_the_solver_distinguishes",
+    "tb/nightly/test_mutants.py::test_quick_blocks_kill_theirs[fork]",
+    "tb/nightly/test_mutants.py::test_quick_blocks_kill_theirs[round_sat]",
+    "tb/nightly/test_mutants.py::test_shows_equivalence_and_never_of_a_killed_mutant",
     "tb/verify/test_regress.py::test_a_planted_bug_is_found_and_made_small",
     "tb/verify/test_regress.py::test_through_a_scheduler",
     "tb/verify/test_regress.py::test_two_sizes_pass",
@@ -123,43 +118,27 @@ def left_alone(items):
     """Files of ``items`` none of whose builds `make test` runs."""
     builds = {}
     for item in items:
-        if together.calls_run(item.function):
+        if shared_builds.calls_run(item.function):
             left = item.get_closest_marker("long") or item.get_closest_marker("big")
             builds.setdefault(item.nodeid.split("::")[0], []).append(not left)
     return sorted(name for name, runs in builds.items() if not any(runs))
 
 
 @pytest.fixture
-def no_pictures(monkeypatch):
-    """Pictures are made but not rendered, which takes most of a short run's time: for tests of other results.
-    The same pictures are rendered by another test."""
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", drawing.empty)
-
-
-@pytest.fixture
 def undrawn(monkeypatch):
-    """Pictures are not made: for tests of numbers. Another test makes them from the same numbers."""
+    """Pictures are not rendered: for tests of numbers. Another test renders them."""
     drawing.off(monkeypatch)
 
 
 def pytest_configure(config):
-    ahead.of_session(config)
     # Icarus cannot run every build; powerup.py and benches.py do not run every test.
     judges = os.environ.get("MEISSNER_SIM", "verilator") == "verilator"
     judges = judges and not {"MEISSNER_POWERUP", "MEISSNER_RUNS"} & os.environ.keys()
-    config.pluginmanager.register(bodies.Watch(config, Path(__file__).parent, judges))
+    config.pluginmanager.register(applicable.Watch(config, Path(__file__).parent, judges))
 
 
 def pytest_collection_finish(session):
-    together.of_session[:] = session.items
-    # What was collected stays: looking through it for garbage would take a thirtieth of the tests' time.
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(100_000, 20, 20)
-
-
-def pytest_unconfigure():
-    gc.unfreeze()  # pyslang reports what exists after the last collection as leaks, on a hundred lines
+    shared_builds.of_session[:] = session.items
 
 
 def pytest_collection_modifyitems(items):

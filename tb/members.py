@@ -3,6 +3,8 @@ and status) follow the register map: groups in the map's order and members in th
 the highest bits. Those that pass between blocks are defined in rtl/msn_pkg.sv.
 """
 
+from cocotb.triggers import RisingEdge
+
 from meissner.twins.link.register_map import GROUPS
 
 CFG, STATUS = "cfg", "status"
@@ -64,3 +66,29 @@ def word(kind, values):
         assert -1 << bits - 1 <= value < 1 << bits, (name, value)
         found |= (value & (1 << bits) - 1) << low
     return found
+
+
+class Settings:
+    """The settings at a block's ``port``, a struct of ``kind``; members not given are 0."""
+
+    def __init__(self, dut, kind, port="cfg_i", **values):
+        self.port, self.kind, self.values = getattr(dut, port), kind, {}
+        self.put(**values)
+
+    def put(self, **values):
+        """Change members; the others stay."""
+        self.values |= {name: int(value) for name, value in values.items()}
+        self.port.value = word(self.kind, self.values)
+
+    async def pulse(self, clock, **values):
+        """Change members for one clock, then back to 0."""
+        self.put(**values)
+        await RisingEdge(clock)
+        self.put(**dict.fromkeys(values, 0))
+
+
+def limits(given):
+    """Members of health_cfg of a Limits, or of a dict of its fields."""
+    renamed = {"over_range_enable": "use_user", "edges": "use_edges"}
+    values = given if isinstance(given, dict) else vars(given)
+    return {renamed.get(name, name): value for name, value in values.items()}

@@ -1,30 +1,32 @@
 """The benches' own code: what it compiles again, how it compiles engines, how it reads levels and writes
 ports."""
 
-import ctypes
 from types import SimpleNamespace
 
 import pytest
-from cocotb_tools.runner import get_runner
 
 import bench
-import units
+from harness import compile_models
 from meissner.builds import toolchain
-from meissner.engines import verilated
 
 ONE = "module one (\n  input  logic a_i,\n  output logic b_o\n);\n  assign b_o = {} a_i;\nendmodule\n"
 
 
 def test_compiles_again_only_what_changed(tmp_path, monkeypatch):
     """The commands run: one unit and its link; none if all is up to date; two units for a larger model."""
-    asked, do = [], units._do
-    monkeypatch.setattr(units, "_do", lambda command, folder: (asked.append(command), do(command, folder)))
+    asked, do = [], compile_models._do
+
+    def noted(command, folder):
+        asked.append(command)
+        do(command, folder)
+
+    monkeypatch.setattr(compile_models, "_do", noted)
 
     def build(text):
         asked.clear()
         source = tmp_path / "one.sv"
         source.write_text(text)
-        units.Units().build(sources=[source], hdl_toplevel="one", build_dir=tmp_path / "built")
+        compile_models.Units().build(sources=[source], hdl_toplevel="one", build_dir=tmp_path / "built")
         assert (tmp_path / "built/one").exists()
         return [command[-1].split("/")[-1] for command in asked]
 
@@ -35,69 +37,13 @@ def test_compiles_again_only_what_changed(tmp_path, monkeypatch):
     assert build(ONE.format("")) == ["fast.cpp", "one"]
     (tmp_path / "built/one").unlink()
     assert build(ONE.format("")) == ["fast.cpp", "one"]
-    monkeypatch.setattr(units, "SMALL", 0)
+    monkeypatch.setattr(compile_models, "SMALL", 0)
     assert build(ONE.format("")) == ["fast.cpp", "slow.cpp", "one"]
 
 
 def test_what_does_not_compile_is_reported(tmp_path):
     with pytest.raises(RuntimeError, match=r"none\.cpp"):
-        units._do(["c++", "-c", "none.cpp"], tmp_path)
-
-
-DRIVER = """#include "Vmsn_skid.h"
-extern "C" int through(int data) {{
-  Vmsn_skid top;
-  top.rst_i = top.out_ready_i = 1;
-  for (int clock = 0; clock < 4; clock++) {{
-    top.in_valid_i = clock == 1;
-    top.in_data_i = {};
-    top.clk_i = 0, top.eval(), top.clk_i = 1, top.eval();
-    top.rst_i = 0;
-    if (top.out_valid_o) return top.out_data_o;
-  }}
-  return -1;
-}}
-"""
-
-
-@pytest.fixture
-def skid(monkeypatch, tmp_path):
-    """A function that builds the library of msn_skid with DRIVER and the given input."""
-    toolchain.environment()
-    monkeypatch.setattr(toolchain, "BUILD", tmp_path / "build")
-    monkeypatch.setattr(verilated, "HERE", tmp_path)
-
-    def build(data, parameters, compiled=units.without_make):
-        monkeypatch.setattr(verilated, "compiled", compiled)
-        (tmp_path / "skid.cpp").write_text(DRIVER.format(data), "utf-8")
-        return verilated.library("msn_skid", "skid.cpp", parameters)
-
-    return build
-
-
-def test_an_engine_is_the_same_without_make(skid):
-    asked = []
-
-    def compiled(command, environment):
-        asked.append(command)
-        return verilated.with_make(command, environment)
-
-    found = []
-    for given, width in ((units.without_make, 11), (compiled, 12)):
-        through = ctypes.CDLL(str(skid("data + 5", {"Width": width}, given))).through
-        found.append([through(2), through(2039)])
-    assert found == [[7, 2044], [7, 2044]] and len(asked) == 1
-
-
-def test_an_engine_that_does_not_build_is_reported(skid):
-    with pytest.raises(RuntimeError, match=r"did not build:[^$]*skid\.cpp:7:\d+: error: .no_such. "):
-        skid("no_such", {"Width": 9})
-    with pytest.raises(RuntimeError, match=r"did not build:[^$]*NoSuch"):
-        skid("data", {"NoSuch": 1})
-
-
-def test_only_verilators_runner_is_changed():
-    assert not isinstance(get_runner("verilator"), units.Units)
+        compile_models._do(["c++", "-c", "none.cpp"], tmp_path)
 
 
 @pytest.mark.parametrize("bits", ["X", "0Z", "1x0", "", "U", "-"])

@@ -21,7 +21,8 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[1] / "tb"))  # references
 
 from meissner.builds import toolchain
-from verify import benches, elaborations, extremes, record
+from nightly import benches
+from verify import elaborations, extremes, record
 
 PAGE = toolchain.ROOT / "docs/extremes.md"
 RECORD = record.FOLDER / "extremes.json"

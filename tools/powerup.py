@@ -15,7 +15,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 from meissner.builds import toolchain
-from verify import benches, evidence, record
+from nightly import benches, evidence
+from verify import record
 
 ROOT = toolchain.ROOT
 

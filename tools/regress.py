@@ -13,7 +13,8 @@ import itertools
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from verify import evidence, record, regress
+from nightly import evidence
+from verify import record, regress
 
 
 def one(block, given, seed):

@@ -31,7 +31,7 @@ _TABLES = (("offset", "iu", "integers"), ("gain", "iu", "integers"), ("dead", "b
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """The tables of msn_calibrate_taxels; ``offset``, ``gain`` integers and ``dead`` bool [rows, columns].
+    """The tables of msn_calibrate; ``offset``, ``gain`` integers and ``dead`` bool [rows, columns].
 
     ``force_lsb_n``: newtons per code of F. ValueError with one sentence for tables that no core holds.
     """

@@ -34,19 +34,20 @@ def scenes(_):
 def check_scene(arguments):
     """``meissner scene check``: why the scene needs each part, or one sentence about what is wrong."""
     from meissner import run, scenes
-    from meissner.scenes import parts
+    from meissner.scenes import features
+    from meissner.scenes.sensor import sensor, used
 
     scene = scenes.read(arguments.scene)
     run.check(scene, arguments.engine)
     print(f"{plain(scene.name)}: {plain(scene.title)}")
-    of = parts.of(scene)
+    of = sensor(scene.sensor)
     for title, needed, every in (
-        ("physics", parts.reasons(scene), of.WHY),
-        ("core", of.uses(scene), parts.FEATURES | parts.BESIDES),
+        ("physics", {name: of.WHY[name] for name in of.modelled(scene)}, of.WHY),
+        ("core", used(scene), features.FEATURES | features.BESIDES),
     ):
         print(f"{title}:")
         for name, why in needed.items():
-            print(f"  {parts.shown([name]) if title == 'core' else name}: {why}")
+            print(f"  {features.with_modules([name]) if title == 'core' else name}: {why}")
         print(f"  left out: {', '.join(name for name in every if name not in needed) or 'nothing'}")
     size, what = of.memory(scene)
     print(f"memory: about {size / 1e6:.0f} MB for {what}")
@@ -58,7 +59,7 @@ def run(arguments):
     from pathlib import Path
 
     from meissner import run, scenes
-    from meissner.scenes import parts, saved
+    from meissner.scenes.features import with_modules
 
     scene = scenes.load(arguments.scene)
     run.check(scene, arguments.engine, arguments.waves)
@@ -70,14 +71,9 @@ def run(arguments):
         raise ValueError(f"{there} is a file; name a folder for the results")
     if not os.access(there, os.W_OK | os.X_OK):
         raise ValueError(f"the folder {there} cannot be written to")
-    compared = None
-    if arguments.full:
-        compared = run.full(scene, arguments.engine, arguments.seed, _progress("measuring everything on"))
+    given = scene, arguments.engine, out, arguments.seed, arguments.waves
     try:
-        summary = run.run(
-            *(scene, arguments.engine, out, arguments.seed, arguments.waves),
-            *(_progress(f"running {scene.name}"), compared),
-        )
+        summary = run.run(*given, _progress(f"running {scene.name}"))
     except OSError as problem:  # a failed write does not name its file
         problem.filename = problem.filename or f"the results in {out}"
         raise
@@ -93,9 +89,8 @@ def run(arguments):
     )
     print(f"modelled: {', '.join(summary['modelled'])}")
     print(f"left out: {', '.join(summary['left_out']) or 'nothing'}")
-    print(f"modelled of the core: {parts.shown(summary['built'])}")
-    print(f"left out of the core: {parts.shown(summary['not_built'])}")
-    print(saved.tell(scene.name, arguments.engine, summary["saved"]))
+    print(f"modelled of the core: {with_modules(summary['built'])}")
+    print(f"left out of the core: {with_modules(summary['not_built'])}")
     if summary["twin_mismatches"] is not None:
         print(f"differences between the core and its integer twin: {summary['twin_mismatches']}")
     print(*run.tell(scene, summary), sep="\n")

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meissner.twins.cop.cop_accumulate import sum_bits
 from meissner.twins.slip.config import MAX_CHANNELS, SAMPLE_BITS
 
 MAX_SIDE = 1024  # rows, columns
@@ -112,6 +111,8 @@ def check_min_load(
     min_load: int, rows: int = MAX_SIDE, columns: int = MAX_SIDE, name: str = "min_load"
 ) -> int:
     """``min_load`` if the register of an array of that size holds it; by default, of the largest array."""
+    from meissner.twins.cop.cop_accumulate import sum_bits  # here: other cores have no sum
+
     if not isinstance(min_load, Integral):
         raise ValueError(f"{name} = {min_load} must be an integer")
     limit = 1 << sum_bits(rows, columns)

@@ -43,11 +43,6 @@ def _run(commands):
         "--seed", type=int, default=1, help="first seed; the scene determines how many follow (1)"
     )
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
-    run.add_argument(
-        "--full",
-        action="store_true",
-        help="also measure everything on, and report the time saved (docs/scenes.md)",
-    )
     run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
     run.set_defaults(call="meissner.cli:run")
 

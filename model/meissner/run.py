@@ -2,48 +2,60 @@
 
 import json
 import tempfile
+import time
 from pathlib import Path
 
-from meissner.scenes import saved
-from meissner.scenes.parts import check_memory
-from meissner.scenes.sensor import runner
+from meissner.scenes import results
+from meissner.scenes.sensor import runner, sensor
+
+ROOM = 0.8  # share of the free memory that a scene may need
+
+
+def free_bytes():
+    """Memory that this machine can give without swapping; None if unknown."""
+    try:
+        for line in Path("/proc/meminfo").read_text("ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    except OSError:
+        pass
+    return None
 
 
 def check(scene, engine, waves=False):
-    """ValueError with one sentence if this engine or this machine cannot run the scene."""
-    runner(scene.sensor).check(scene, engine, waves)
-    check_memory(scene)
+    """ValueError with one sentence if this engine or this machine cannot run the scene.
+
+    The memory is judged by the shapes of the scene's largest arrays.
+    """
+    results.check(scene, engine, waves)
+    own = runner(scene.sensor)
+    if hasattr(own, "check"):
+        own.check(scene)
+    needs, what = sensor(scene.sensor).memory(scene)
+    free = free_bytes()
+    if free is not None and needs > ROOM * free:
+        raise ValueError(
+            f"scene {scene.name}: {what} need about {needs / 1e9:.3g} GB, but this machine has "
+            f"{free / 1e9:.1f} GB free: reduce them, or use a larger machine"
+        )
 
 
-def full(scene, engine, seed=1, progress=lambda runs: runs):
-    """The cost of a simulated second of the scene, and of one with everything on (meissner.scenes.full)."""
-    from meissner.scenes import full  # here: a run without the comparison loads no other sensor
-
-    parts = full.everything(engine, progress, seed)
-    return saved.compared(full.cost(scene, engine, seed=seed), sum(parts.values())) | {
-        "engine": engine,
-        "full": parts,
-    }
-
-
-def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs, compared=None):
-    """Run a scene; write results to ``out``; return the summary, with ``compared`` (``full``) if it is given.
+def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
+    """Run a scene; write results to ``out``; return the summary.
 
     The results replace those of an earlier run only when all are written, so no old picture remains.
     """
     check(scene, engine, waves)
     out = Path(out)
-    with saved.measured(compared):
-        return _run(scene, engine, out, seed, waves, progress)
-
-
-def _run(scene, engine, out, seed, waves, progress):
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out, prefix=".run-") as folder:
-        summary = runner(scene.sensor).run(scene, engine, Path(folder), seed, waves, progress)
+        began, folder = time.perf_counter(), Path(folder)
+        recorded = folder / "waves.vcd" if waves else None
+        result = runner(scene.sensor).run(scene, engine, seed, recorded, progress)
+        summary = results.write(scene, result, folder, began)
         for name in _earlier(out):
             (out / name).unlink(missing_ok=True)
-        for path in Path(folder).iterdir():
+        for path in folder.iterdir():
             path.replace(out / path.name)
     return summary
 

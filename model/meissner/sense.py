@@ -3,7 +3,7 @@
 Each class has ``process(x)``, which starts from reset, and ``next(x)``, which continues the last call:
 ``process(x)`` equals the results of ``next`` over any pieces of ``x``. The numbers are bit-exact with the RTL
 (meissner.twins); meissner.engines runs the same on the RTL itself. Results are named as in the files of
-``meissner process``; docs/decisions.md lists what each class adds.
+``meissner process``; docs/decisions/host.md lists what each class adds.
 
 Input that the core cannot take raises ValueError, an argument of the wrong class TypeError, each with one
 sentence. Floats are refused even if they are whole, since volts are a common mistake.
@@ -28,7 +28,7 @@ from meissner.physics.cop4_config import Cop4Config
 from meissner.twins.cop import cop4 as cop4_twin
 from meissner.twins.cop.cop_accumulate import moments
 from meissner.twins.cop.cop_divide import cop_divide
-from meissner.twins.frontend.calibrate_taxels import forces
+from meissner.twins.frontend.calibrate import forces
 from meissner.twins.slip import slip as slip_twin
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.haar import Haar
@@ -200,7 +200,7 @@ class Cop:
 
 
 class Array:
-    """A calibrated array: codes to forces to the centre of pressure (rtl/cop/msn_cop_array.sv).
+    """A calibrated array: codes to forces to the centre of pressure (rtl/sensor/msn_array_forces.sv).
 
     ``calibration``: from meissner.calibration.load or ``fit``; faulty cells give 0. ``min_load``: as in Cop.
     TypeError if ``calibration`` is no Calibration, ValueError if the array's register does not hold

@@ -212,11 +212,17 @@ module msn_grip #(
 
   // 3: the goal and the limits of the command. The first command in a mode is not limited by `rate`: a position starts
   // at the minimum, a force at the host's override value.
-  logic                   armed, armed_mode, live, gives, live_3, gives_3, mode_3;
+  //
+  // The mode of the last command is one-hot: an upset of a single bit would otherwise send a position to its minimum. With
+  // any other code the hand goes on if the last cycle gave a command, which fault_o says, and the next command writes it.
+  localparam logic [2:0] None = 3'b001, Position = 3'b010, Force = 3'b100;
+  logic [2:0]             given;
+  logic                   known, live, gives, live_3, gives_3, mode_3;
   logic [CommandBits:0]   raised, lowered;
   logic [CommandBits-1:0] goal, ceiling, floor, low, high, at_least, next;
   logic                   reaches, below;  // `rate` allows the maximum; the command is below its limit
-  assign live    = armed && armed_mode == cfg_mode_i;
+  assign known   = given == None || given == Position || given == Force;
+  assign live    = known ? given == (cfg_mode_i ? Force : Position) : !fault_o[4];
   assign gives   = live || !cfg_mode_i || cfg_override_i;
   assign raised  = (CommandBits + 1)'(out_command_o) + (CommandBits + 1)'(joined);
   assign lowered = (CommandBits + 1)'(out_command_o) - (CommandBits + 1)'(cfg_decay_i);
@@ -250,8 +256,7 @@ module msn_grip #(
     if (go_3) begin
       if (gives_3) begin
         out_command_o <= next;
-        armed         <= 1'b1;
-        armed_mode    <= mode_3;
+        given         <= mode_3 ? Force : Position;
       end
       out_increment_o <= live_3 ? signed'({1'b0, next}) - signed'({1'b0, out_command_o}) : '0;
       out_force_o     <= mode_3;
@@ -263,7 +268,7 @@ module msn_grip #(
       out_valid_o     <= 1'b0;
       out_increment_o <= '0;
       out_command_o   <= '0;
-      armed           <= 1'b0;
+      given           <= None;
       out_force_o     <= 1'b0;
       faulty_o        <= '0;
       fault_o         <= 5'b10000;

@@ -2,7 +2,7 @@
 //
 // Clock of the Arty A7: 50 MHz from its 100 MHz oscillator. This project does not build it.
 
-`include "msn_build.svh"  // the configuration, written by tools/synth.py
+`include "msn_build.svh"  // the configuration, written by tools/make/synth.py
 
 module arty_a7_clock (
   input  logic clk_100m_i,

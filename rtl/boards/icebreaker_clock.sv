@@ -2,7 +2,7 @@
 //
 // Clock of the iCEBreaker: its 12 MHz oscillator, or 24 MHz from the PLL (MSN_CLK_KHZ).
 
-`include "msn_build.svh"  // the configuration, written by tools/synth.py
+`include "msn_build.svh"  // the configuration, written by tools/make/synth.py
 
 module icebreaker_clock (
   input  logic clk_12m_i,

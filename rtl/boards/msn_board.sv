@@ -8,7 +8,7 @@
 // between two conversions and in pauses no row is driven, which a number cannot express. Until the next row the number
 // stays at the last one, so that no other row is selected. All lines are registered (one clock) and do not glitch.
 
-`include "msn_build.svh"  // the configuration, written by tools/synth.py
+`include "msn_build.svh"  // the configuration, written by tools/make/synth.py
 
 module msn_board (
   input  logic                       clk_i,

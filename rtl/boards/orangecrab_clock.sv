@@ -2,7 +2,7 @@
 //
 // Clock of the OrangeCrab r0.2: its 48 MHz oscillator.
 
-`include "msn_build.svh"  // the configuration, written by tools/synth.py
+`include "msn_build.svh"  // the configuration, written by tools/make/synth.py
 
 module orangecrab_clock (
   input  logic clk_48m_i,

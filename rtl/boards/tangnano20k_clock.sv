@@ -2,7 +2,7 @@
 //
 // Clock of the Tang Nano 20K: its 27 MHz oscillator.
 
-`include "msn_build.svh"  // the configuration, written by tools/synth.py
+`include "msn_build.svh"  // the configuration, written by tools/make/synth.py
 
 module tangnano20k_clock (
   input  logic clk_27m_i,

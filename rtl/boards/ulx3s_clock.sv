@@ -2,7 +2,7 @@
 //
 // Clock of the ULX3S: 25, 50 or 100 MHz (MSN_CLK_KHZ) from its 25 MHz oscillator.
 
-`include "msn_build.svh"  // the configuration, written by tools/synth.py
+`include "msn_build.svh"  // the configuration, written by tools/make/synth.py
 
 module ulx3s_clock (
   input  logic clk_25m_i,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // After reset, writes the same gain and offset 0 for every taxel and swaps them in; then passes the host's writes on.
-// So a core gives forces before a host sets it up. RowColumn: this gain for the columns, 4096 for the rows.
+// So a core gives forces before a host sets it up. RowColumn: this gain for the columns, 4096 for the rows. A write to
+// a word that does not exist is ignored: it would change an existing word with the same low address bits.
 //
 // This takes Words + 1 clocks (RowColumn: a row's beats + Rows + 1), in which a host's writes are lost; then done_o.
 // Error: none (docs/extremes.md).
@@ -11,30 +12,16 @@ module msn_calibration_preset #(
   parameter  int unsigned Rows       = 64,
   parameter  int unsigned Columns    = 64,
   parameter  int unsigned Lanes      = 1,
-  parameter  int unsigned OffsetBits = 17,
   parameter  bit          RowColumn  = 1'b0,
   localparam int unsigned RowBeats   = (Columns + Lanes - 1) / Lanes,
   localparam int unsigned IdBits     = msn_pkg::index_width(Rows * RowBeats)
 ) (
-  input  logic                  clk_i,
-  input  logic                  rst_i,
+  input  logic                              clk_i,
+  input  logic                              rst_i,
 
-  input  logic [15:0]           cfg_gain_i,
-
-  input  logic [Lanes-1:0]      in_write_i,      // as in msn_calibration_table
-  input  logic                  in_write_row_i,
-  input  logic [IdBits-1:0]     in_word_i,
-  input  logic [OffsetBits-1:0] in_offset_i,
-  input  logic [15:0]           in_gain_i,
-  input  logic                  in_swap_i,
-
-  output logic [Lanes-1:0]      out_write_o,
-  output logic                  out_write_row_o,
-  output logic [IdBits-1:0]     out_word_o,
-  output logic [OffsetBits-1:0] out_offset_o,
-  output logic [15:0]           out_gain_o,
-  output logic                  out_swap_o,
-  output logic                  done_o           // for one clock
+  input  msn_registers_pkg::calibrate_cfg_t in_i,
+  output msn_registers_pkg::calibrate_cfg_t out_o,
+  output logic                              done_o  // for one clock
 );
 
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
@@ -44,9 +31,10 @@ module msn_calibration_preset #(
   localparam int unsigned Words   = RowColumn ? RowBeats : Rows * RowBeats;
   localparam int unsigned RowGain = 4096;
 
-  logic              busy, rows, swap, final_word;
+  logic              busy, rows, swap, final_word, there;
   logic [IdBits-1:0] word;
   assign final_word = word == (rows ? IdBits'(Rows - 1) : IdBits'(Words - 1));
+  assign there      = {1'b0, in_i.word} < (in_i.write_row ? 21'(Rows) : 21'(Words));
 
   always_ff @(posedge clk_i) begin
     if (busy && !swap) begin
@@ -67,11 +55,18 @@ module msn_calibration_preset #(
     end
   end
 
-  assign out_write_o     = busy ? {Lanes{!swap && !rows}} : in_write_i;
-  assign out_write_row_o = busy ? !swap && rows : in_write_row_i;
-  assign out_word_o      = busy ? word : in_word_i;
-  assign out_offset_o    = busy ? '0 : in_offset_i;
-  assign out_gain_o      = !busy ? in_gain_i : rows ? 16'(RowGain) : cfg_gain_i;
-  assign out_swap_o      = busy ? swap : in_swap_i;
+  always_comb begin
+    out_o               = in_i;
+    out_o.write_written = in_i.write_written && there;
+    if (busy) begin
+      out_o.word          = 20'(word);
+      out_o.offset        = '0;
+      out_o.gain          = rows ? 16'(RowGain) : in_i.preset;
+      out_o.write_lanes   = '1;
+      out_o.write_row     = rows;
+      out_o.write_written = !swap;
+      out_o.swap          = swap;
+    end
+  end
 
 endmodule

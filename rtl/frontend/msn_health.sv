@@ -4,12 +4,12 @@
 //
 //   moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
 //   dead      not recent itself while both neighbours in its row or column are recent in the same direction: counts
-//             +4 a frame (with cfg_edges_i +1 at a border whose one neighbour is recent); dead at cfg_still
-//   railed    at or beyond cfg_low, cfg_high or over-range without a break over cfg_rail of frames 0, 16 ..
-//   blinking  a step > jump while no neighbour is recent: +16, any other frame -1; blinking at cfg_blink
+//             +4 a frame (with use_edges +1 at a border whose one neighbour is recent); dead at still
+//   railed    at or beyond low, high or (use_user) over-range without a break over rail of frames 0, 16 ..
+//   blinking  a step > jump while no neighbour is recent: +16, any other frame -1; blinking at blink
 //
-// A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; if it is not
-// taken, it is offered again in the next frame; cfg_report_i sends all again. Beats as msn_frame_marker gives them;
+// A threshold of 0 turns a kind off. Faults stay until clear or reset. Each new one is an event; if it is not
+// taken, it is offered again in the next frame; report sends all again. Beats as msn_frame_marker gives them;
 // one that does not fit is masked, because in too long a frame its taxels' states were written by the same frame.
 //
 //   clock  1       2 .. 4            5       6
@@ -32,17 +32,8 @@ module msn_health #(
   input  logic                         clk_i,
   input  logic                         rst_i,
 
-  input  logic [SampleBits-1:0]        cfg_band_i,    // codes, unsigned
-  input  logic [SampleBits-1:0]        cfg_jump_i,    // not less than the band
-  input  logic signed [SampleBits-1:0] cfg_low_i,
-  input  logic signed [SampleBits-1:0] cfg_high_i,
-  input  logic                         cfg_over_range_enable_i,  // over-range counts as railed
-  input  logic                         cfg_edges_i,
-  input  logic [7:0]                   cfg_still_i,
-  input  logic [7:0]                   cfg_rail_i,
-  input  logic [7:0]                   cfg_blink_i,
-  input  logic                         cfg_clear_i,
-  input  logic                         cfg_report_i,
+  input  msn_registers_pkg::health_cfg_t    cfg_i,
+  output msn_registers_pkg::health_status_t status_o,      // taxels, since reset or clear
 
   input  logic                         in_valid_i,
   output logic                         in_ready_o,
@@ -67,11 +58,7 @@ module msn_health #(
   output logic [IdBits-1:0]            event_id_o,
   output logic [Lanes-1:0]             event_dead_o,
   output logic [Lanes-1:0]             event_railed_o,
-  output logic [Lanes-1:0]             event_blinking_o,
-
-  output logic [CountBits-1:0]         dead_o,        // taxels, since reset or clear
-  output logic [CountBits-1:0]         railed_o,
-  output logic [CountBits-1:0]         blinking_o
+  output logic [Lanes-1:0]             event_blinking_o
 );
 
   localparam int unsigned StateBits = SampleBits + 32;
@@ -106,8 +93,8 @@ module msn_health #(
   logic [3:0] tick;
   assign bank_next   = bank ^ (done && was_whole);
   assign due         = !midway && (clear_asked || report_asked);
-  assign clear_next  = (cfg_clear_i || clear_asked) && !(due && clear_asked);  // high for long: frames go on
-  assign report_next = (cfg_report_i || report_asked) && !(due && report_asked);
+  assign clear_next  = (cfg_i.clear || clear_asked) && !(due && clear_asked);  // high for long: frames go on
+  assign report_next = (cfg_i.report || report_asked) && !(due && report_asked);
   assign midway_next = accept || (midway && !done);
   assign drain_next  = (accept && in_last_i) ? 3'(Drain) : (drain != '0) ? drain - 1'b1 : '0;
   always_ff @(posedge clk_i) begin
@@ -188,7 +175,9 @@ module msn_health #(
   logic [4:1]              learn;
   logic [4:1][IdBits-1:0]  learn_place;
   logic [Lanes-1:0]        event_of, dead, railed, blinking, dead_new, railed_new, blinking_new;
+  logic [CountBits-1:0]    dead_count, railed_count, blinking_count;
   logic                    send;
+  assign status_o = {21'(dead_count), 21'(railed_count), 21'(blinking_count)};
   assign send = learn[4] && |event_of && (!event_valid_o || event_ready_i);
 
   always_ff @(posedge clk_i) begin
@@ -218,11 +207,11 @@ module msn_health #(
       event_blinking_o <= blinking;
     end
     if (learn[4]) begin
-      dead_o     <= dead_o + CountBits'($countones(dead_new));
-      railed_o   <= railed_o + CountBits'($countones(railed_new));
-      blinking_o <= blinking_o + CountBits'($countones(blinking_new));
+      dead_count     <= dead_count + CountBits'($countones(dead_new));
+      railed_count   <= railed_count + CountBits'($countones(railed_new));
+      blinking_count <= blinking_count + CountBits'($countones(blinking_new));
     end
-    if (rst_i || (due && clear_asked)) {dead_o, railed_o, blinking_o} <= '0;
+    if (rst_i || (due && clear_asked)) {dead_count, railed_count, blinking_count} <= '0;
     if (rst_i) begin
       row_first     <= 1'b1;
       top           <= 1'b1;
@@ -273,9 +262,8 @@ module msn_health #(
 
     msn_health_taxel #(.SampleBits(SampleBits)) u_taxel (
       .clk_i,
-      .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_over_range_enable_i, .cfg_still_i, .cfg_rail_i,
-      .cfg_blink_i,
-      .take_i(accept), .state_i(head), .pair_i(pair), .border_i(border && cfg_edges_i),
+      .cfg_i,
+      .take_i(accept), .state_i(head), .pair_i(pair), .border_i(border && cfg_i.use_edges),
       .alone_i(!(left[1] || right[1] || up[1] || down[1])), .user_i(in_user_i[k]),
       .surplus_i(surplus), .again_i(again),
       .raw_i(raw), .tick_i(tick == '0), .fresh_i(fresh),

@@ -19,14 +19,7 @@ module msn_health_taxel #(
 ) (
   input  logic                         clk_i,
 
-  input  logic [SampleBits-1:0]        cfg_band_i,
-  input  logic [SampleBits-1:0]        cfg_jump_i,
-  input  logic signed [SampleBits-1:0] cfg_low_i,
-  input  logic signed [SampleBits-1:0] cfg_high_i,
-  input  logic                         cfg_over_range_enable_i,
-  input  logic [7:0]                   cfg_still_i,
-  input  logic [7:0]                   cfg_rail_i,
-  input  logic [7:0]                   cfg_blink_i,
+  input  msn_registers_pkg::health_cfg_t cfg_i,
 
   input  logic                         take_i,
   input  logic [StateBits-1:0]         state_i,
@@ -50,17 +43,20 @@ module msn_health_taxel #(
 
   localparam int unsigned DiffBits = SampleBits + 1;
 
+  logic [SampleBits-1:0] band, jump_least;
+  assign {band, jump_least} = {SampleBits'(cfg_i.band), SampleBits'(cfg_i.jump)};
+
   // Thresholds minus the increment of their counter, or negated.
   logic signed [9:0]          still_less_1, still_less_4, blink_edge;
   logic        [7:0]          rail_edge;
   logic signed [DiffBits-1:0] band_minus, jump_minus;
   always_ff @(posedge clk_i) begin
-    still_less_1 <= signed'({2'b0, cfg_still_i}) - 10'sd1;
-    still_less_4 <= signed'({2'b0, cfg_still_i}) - 10'sd4;
-    blink_edge   <= signed'({2'b0, cfg_blink_i}) - 10'sd16;
-    rail_edge    <= cfg_rail_i - 8'd1;
-    band_minus   <= '0 - DiffBits'(cfg_band_i);
-    jump_minus   <= '0 - DiffBits'(cfg_jump_i);
+    still_less_1 <= signed'({2'b0, cfg_i.still}) - 10'sd1;
+    still_less_4 <= signed'({2'b0, cfg_i.still}) - 10'sd4;
+    blink_edge   <= signed'({2'b0, cfg_i.blink}) - 10'sd16;
+    rail_edge    <= cfg_i.rail - 8'd1;
+    band_minus   <= '0 - DiffBits'(band);
+    jump_minus   <= '0 - DiffBits'(jump_least);
   end
 
   // 1, 2: compare the sample with the held one and with the rails.
@@ -72,17 +68,17 @@ module msn_health_taxel #(
   logic        [SampleBits-1:0] raw_2, raw_3, held_2, held_3;
   logic                         over_2, over_3, alone_1, alone_2, alone_3;
   logic        [2:0]            proof_2, proof_3;
-  msn_compare #(.Width(SampleBits)) u_low  (.a_i(raw_i), .b_i(cfg_low_i), .greater_o(low));
-  msn_compare #(.Width(SampleBits)) u_high (.a_i(cfg_high_i), .b_i(raw_i), .greater_o(high));
+  msn_compare #(.Width(SampleBits)) u_low  (.a_i(raw_i), .b_i(SampleBits'(signed'(cfg_i.low))), .greater_o(low));
+  msn_compare #(.Width(SampleBits)) u_high (.a_i(SampleBits'(signed'(cfg_i.high))), .b_i(raw_i), .greater_o(high));
 
   // 3: does the difference exceed the band, the jump?
   logic above, below, far_above, far_below, moved, jump, rises;
   msn_compare #(.Width(DiffBits)) u_above (
-    .a_i(delta), .b_i(signed'({1'b0, cfg_band_i})), .greater_o(above)
+    .a_i(delta), .b_i(signed'({1'b0, band})), .greater_o(above)
   );
   msn_compare #(.Width(DiffBits)) u_below (.a_i(band_minus), .b_i(delta), .greater_o(below));
   msn_compare #(.Width(DiffBits)) u_far_above (
-    .a_i(delta), .b_i(signed'({1'b0, cfg_jump_i})), .greater_o(far_above)
+    .a_i(delta), .b_i(signed'({1'b0, jump_least})), .greater_o(far_above)
   );
   msn_compare #(.Width(DiffBits)) u_far_below (.a_i(jump_minus), .b_i(delta), .greater_o(far_below));
 
@@ -104,11 +100,11 @@ module msn_health_taxel #(
   assign up_next     = moved ? rises : up_last;
   // Do still_next, rail_next, blink_next reach their thresholds? The increments are subtracted from the thresholds.
   logic signed [9:0] still_edge;
-  assign still_edge = proof_3[2] ? still_less_4 : proof_3[0] ? still_less_1 : signed'({2'b0, cfg_still_i});
-  assign found      = {signed'({2'b0, still}) >= still_edge && !moved && since == '0 && cfg_still_i != '0,
-                       (rail >= cfg_rail_i || (tick_i && rail == rail_edge)) && over_3 && cfg_rail_i != '0,
-                       (more_blinks ? signed'({2'b0, blink}) >= blink_edge : blink > cfg_blink_i)
-                       && cfg_blink_i != '0};
+  assign still_edge = proof_3[2] ? still_less_4 : proof_3[0] ? still_less_1 : signed'({2'b0, cfg_i.still});
+  assign found      = {signed'({2'b0, still}) >= still_edge && !moved && since == '0 && cfg_i.still != '0,
+                       (rail >= cfg_i.rail || (tick_i && rail == rail_edge)) && over_3 && cfg_i.rail != '0,
+                       (more_blinks ? signed'({2'b0, blink}) >= blink_edge : blink > cfg_i.blink)
+                       && cfg_i.blink != '0};
   assign faults_next = surplus_3 || fresh_i ? '0 : fault_3 | found;
 
   logic [StateBits-1:4] state_4;
@@ -132,7 +128,7 @@ module msn_health_taxel #(
     delta   <= DiffBits'(raw_i) - DiffBits'(held);
     raw_2   <= raw_i;
     held_2  <= held;
-    over_2  <= !low || !high || (user_1 && cfg_over_range_enable_i);
+    over_2  <= !low || !high || (user_1 && cfg_i.use_user);
     alone_2 <= alone_1;
     proof_2 <= pair_1 ? 3'd4 : 3'(border_1);
     {kept_2, fault_2, surplus_2} <= {kept_1, fault_1, surplus_1};
@@ -157,5 +153,8 @@ module msn_health_taxel #(
     state_o <= {state_4, faults_o, |faults_o && (reported_4 || send_i)};
     moves_o <= moves_4;
   end
+
+  logic unused_cfg;  // msn_health uses the other settings
+  assign unused_cfg = ^cfg_i;
 
 endmodule

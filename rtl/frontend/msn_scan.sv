@@ -6,7 +6,7 @@
 //   column = (group*Channels + channel)*Lanes + lane      id = row*Beats + column/Lanes, Beats = ceil(Columns/Lanes)
 //
 // row_o is one-hot or all low; between two conversions it is low for a clock. A conversion starts (trigger_o, a clock
-// later at the pins) exactly cfg_settle_i clocks after row_o and group_o changed. Before the next trigger, every
+// later at the pins) exactly settle clocks after row_o and group_o changed. Before the next trigger, every
 // converter must give Channels samples, or a lost strobe at least Channels + 3 clocks before; then its samples are 0
 // and marked in user.
 // Frames leave complete or not at all. First sample in to out 5 clocks.   Model: model/meissner/twins/frontend/scan.py
@@ -30,10 +30,8 @@ module msn_scan #(
   input  logic                        clk_i,
   input  logic                        rst_i,
 
-  input  logic                        cfg_enable_i,
-  input  logic [SettleBits-1:0]       cfg_settle_i,
-  input  logic [PeriodBits-1:0]       cfg_period_i,
-  input  logic                        cfg_interleave_i,
+  input  msn_registers_pkg::scan_cfg_t    cfg_i,
+  output msn_registers_pkg::scan_status_t status_o,
   input  logic [47:0]                 now_i,         // clock ticks
 
   output logic [Rows-1:0]             row_o,
@@ -53,12 +51,7 @@ module msn_scan #(
   output logic                        out_last_o,
   output logic [Lanes-1:0]            out_user_o,    // over-range or lost
   output logic [31:0]                 out_frame_o,   // frames converted before this one
-  output logic [47:0]                 out_time_o,    // now_i when its first conversion started
-
-  output logic [31:0]                 dropped_o,     // frames: the frame before was not taken yet
-  output logic [31:0]                 overrun_o,     // frame ticks: the frame before was not done
-  output logic [31:0]                 held_o,        // clocks the scan waited for room in the buffer
-  output logic [31:0]                 lost_o         // conversions in which a converter did not answer
+  output logic [47:0]                 out_time_o     // now_i when its first conversion started
 );
 
   if (SampleBits < 2) begin : gen_check_sample_bits
@@ -69,6 +62,11 @@ module msn_scan #(
   localparam int unsigned ChanBits = msn_pkg::index_width(Channels);
 
   logic                 idle, switch_now, done_first, done_interleave, room;
+  logic [31:0]          dropped;  // frames: the frame before was not taken yet
+  logic [31:0]          overrun;  // frame ticks: the frame before was not done
+  logic [31:0]          held;     // clocks the scan waited for room in the buffer
+  logic [31:0]          lost;     // conversions in which a converter did not answer
+  assign status_o = {dropped, overrun, held, lost};
   logic [RowBits-1:0]   switch_row;
   logic [GroupBits-1:0] switch_group, done_group;
   msn_scan_plan #(
@@ -76,12 +74,13 @@ module msn_scan #(
     .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) u_plan (
     .clk_i, .rst_i,
-    .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
+    .cfg_enable_i(cfg_i.enable), .cfg_settle_i(SettleBits'(cfg_i.settle)),
+    .cfg_period_i(PeriodBits'(cfg_i.period)), .cfg_interleave_i(cfg_i.interleave),
     .room_i(room), .idle_o(idle),
     .switch_o(switch_now), .switch_row_o(switch_row), .switch_group_o(switch_group),
     .trigger_o,
     .done_first_o(done_first), .done_group_o(done_group), .done_interleave_o(done_interleave),
-    .overrun_o, .held_o
+    .overrun_o(overrun), .held_o(held)
   );
 
   // The rows are off for a clock before each conversion, even if the row stays the same, so that all are alike.
@@ -123,13 +122,13 @@ module msn_scan #(
     channel_q2  <= channel_q;
     beat_data_q <= {in_user_i | lost_q, data};
     missed      <= beat && beat_end && |lost_q;
-    lost_o      <= lost_o + 32'(missed);
+    lost        <= lost + 32'(missed);
     if (rst_i) begin
       lost_q    <= '0;
       missed    <= 1'b0;
       channel_q <= '0;
       beat_q    <= 1'b0;
-      lost_o    <= '0;
+      lost      <= '0;
     end
   end
 
@@ -167,14 +166,8 @@ module msn_scan #(
   logic        taken;
   always_ff @(posedge clk_i) begin
     trigger_q <= trigger_o;
-    if (trigger_q && done_first) begin
-      time_q  <= now_i;
-      frame_q <= frame_q + 1'b1;
-    end
-    if (taken) begin
-      out_frame_o <= frame_q;
-      out_time_o  <= time_q;
-    end
+    if (trigger_q && done_first) {frame_q, time_q} <= {frame_q + 1'b1, now_i};
+    if (taken) {out_frame_o, out_time_o} <= {frame_q, time_q};
     if (rst_i) begin
       trigger_q <= 1'b0;
       frame_q   <= '1;
@@ -187,7 +180,7 @@ module msn_scan #(
     .in_data_i(beat_data_q2),
     .room_o(room),
     .out_valid_o, .out_ready_i, .out_data_o({out_user_o, out_data_o}), .out_id_o, .out_last_o,
-    .taken_o(taken), .dropped_o
+    .taken_o(taken), .dropped_o(dropped)
   );
 
 endmodule

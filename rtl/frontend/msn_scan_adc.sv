@@ -17,8 +17,6 @@ module msn_scan_adc #(
   parameter  int unsigned ClkKhz     = 25_000,
   parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Part),
   parameter  int unsigned SampleBits = 17,
-  parameter  int unsigned SettleBits = 16,
-  parameter  int unsigned PeriodBits = 32,
   localparam int unsigned Beats      = (Columns + Lanes - 1) / Lanes,
   localparam int unsigned IdBits     = msn_pkg::index_width(Rows * Beats),
   parameter  int unsigned Depth      = Rows * Beats,
@@ -27,10 +25,8 @@ module msn_scan_adc #(
   input  logic                        clk_i,
   input  logic                        rst_i,
 
-  input  logic                        cfg_enable_i,
-  input  logic [SettleBits-1:0]       cfg_settle_i,
-  input  logic [PeriodBits-1:0]       cfg_period_i,
-  input  logic                        cfg_interleave_i,
+  input  msn_registers_pkg::scan_cfg_t    cfg_i,
+  output msn_registers_pkg::scan_status_t status_o,
   input  logic [47:0]                 now_i,
 
   output logic [Rows-1:0]             row_o,
@@ -52,12 +48,7 @@ module msn_scan_adc #(
   output logic                        out_last_o,
   output logic [Lanes-1:0]            out_user_o,
   output logic [31:0]                 out_frame_o,
-  output logic [47:0]                 out_time_o,
-
-  output logic [31:0]                 dropped_o,
-  output logic [31:0]                 overrun_o,
-  output logic [31:0]                 held_o,
-  output logic [31:0]                 lost_o
+  output logic [47:0]                 out_time_o
 );
 
   localparam int unsigned Half  = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
@@ -94,22 +85,26 @@ module msn_scan_adc #(
 
   // Parts stay ready once they have been: one that is set up again loses conversions but does not stop the scan.
   logic enable_q;
+  msn_registers_pkg::scan_cfg_t cfg;
+  always_comb begin
+    cfg        = cfg_i;
+    cfg.enable = enable_q;
+  end
   always_ff @(posedge clk_i) begin
-    enable_q <= cfg_enable_i && &ready;
+    enable_q <= cfg_i.enable && &ready;
     if (rst_i) enable_q <= 1'b0;
   end
 
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .Hold(Hold), .Cycle(Cycle),
-    .SampleBits(SampleBits), .SettleBits(SettleBits), .PeriodBits(PeriodBits), .Depth(Depth)
+    .SampleBits(SampleBits), .Depth(Depth)
   ) u_scan (
     .clk_i, .rst_i,
-    .cfg_enable_i(enable_q), .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
+    .cfg_i(cfg), .status_o,
     .now_i, .row_o, .group_o, .trigger_o(trigger),
     .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_user_i(sample_user),
     .in_lost_i(lost),
-    .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o, .out_frame_o, .out_time_o,
-    .dropped_o, .overrun_o, .held_o, .lost_o
+    .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o, .out_frame_o, .out_time_o
   );
 
 endmodule

@@ -23,18 +23,14 @@ module msn_scan_demod #(
   parameter  int unsigned Periods          = 4,
   parameter  int unsigned Skip             = 4,                     // samples that settle
   parameter  int unsigned Shift            = 3,                     // amplitude = sum / 2^Shift
-  parameter  int unsigned SettleBits       = 16,
-  parameter  int unsigned PeriodBits       = 32,
   localparam int unsigned GroupBits        = msn_pkg::index_width((Columns + Converters - 1) / Converters),
   localparam int unsigned IdBits           = msn_pkg::index_width(Rows * Columns)
 ) (
   input  logic                  clk_i,
   input  logic                  rst_i,
 
-  input  logic                  cfg_enable_i,
-  input  logic [SettleBits-1:0] cfg_settle_i,
-  input  logic [PeriodBits-1:0] cfg_period_i,
-  input  logic                  cfg_interleave_i,
+  input  msn_registers_pkg::scan_cfg_t    cfg_i,
+  output msn_registers_pkg::scan_status_t status_o,
   input  logic [47:0]           now_i,
 
   output logic [Rows-1:0]       row_o,
@@ -53,12 +49,7 @@ module msn_scan_demod #(
   output logic                  out_last_o,
   output logic                  out_user_o,
   output logic [31:0]           out_frame_o,
-  output logic [47:0]           out_time_o,
-
-  output logic [31:0]           dropped_o,
-  output logic [31:0]           overrun_o,
-  output logic [31:0]           held_o,
-  output logic [31:0]           lost_o
+  output logic [47:0]           out_time_o
 );
 
   localparam int unsigned Half       = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
@@ -132,7 +123,7 @@ module msn_scan_demod #(
   logic                         level_valid, level_ready, level_user, unused_level_last;
   logic signed [SampleBits-1:0] level;
   logic        [LaneBits-1:0]   unused_level_id;
-  logic        [31:0]           unused_broken;  // lost_o counts the same
+  logic        [31:0]           unused_broken;  // the scan's lost counts the same
   msn_am_demod #(
     .Form(Form), .SamplesPerPeriod(SamplesPerPeriod), .Lanes(Converters), .Channels(Converters),
     .SampleBits(SampleBits), .PeriodBits(Measured), .SkipBits(SkipBits)
@@ -146,22 +137,26 @@ module msn_scan_demod #(
     .broken_o(unused_broken)
   );
 
+  msn_registers_pkg::scan_cfg_t cfg;
+  always_comb begin
+    cfg        = cfg_i;
+    cfg.enable = enable_q;
+  end
   always_ff @(posedge clk_i) begin
-    enable_q <= cfg_enable_i && &ready;
+    enable_q <= cfg_i.enable && &ready;
     if (rst_i) enable_q <= 1'b0;
   end
 
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(1), .Channels(Converters), .Hold(Hold), .Cycle(Cycle),
-    .SampleBits(SampleBits), .SettleBits(SettleBits), .PeriodBits(PeriodBits)
+    .SampleBits(SampleBits)
   ) u_scan (
     .clk_i, .rst_i,
-    .cfg_enable_i(enable_q), .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
+    .cfg_i(cfg), .status_o,
     .now_i, .row_o, .group_o, .trigger_o(place_trigger),
     .in_valid_i(level_valid), .in_ready_o(level_ready), .in_data_i(level), .in_user_i(level_user),
     .in_lost_i(burst_lost),
-    .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o, .out_frame_o, .out_time_o,
-    .dropped_o, .overrun_o, .held_o, .lost_o
+    .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o, .out_frame_o, .out_time_o
   );
 
 endmodule

@@ -2,13 +2,13 @@
 //
 // Subtracts each taxel's own zero b from its samples; measures b by averaging, and tracks it while nothing presses.
 //
-//   r = raw - o   o = floor(b + 1/2), saturated to a sample's bits   contact = r > cfg_contact   b in 2^-FractionBits
-//   each frame, not in contact: b += sign(r) cfg_step               frozen in contact
-//   on cfg_tare_i: b += (sum of r over the next 2^TareLog2 frames) / 2^TareLog2, exact, for all taxels in the
+//   r = raw - o   o = floor(b + 1/2), saturated to a sample's bits   contact = r > contact   b in 2^-FractionBits
+//   each frame, not in contact: b += sign(r) step                   frozen in contact
+//   on average:    b += (sum of r over the next 2^TareLog2 frames) / 2^TareLog2, exact, for all taxels in the
 //   same frame; refused without any change if a taxel that is not masked is in contact in these frames
 //
-// cfg_force_i: never refuse (for the first time, when no zero is known). While cfg_load_i, frames are dropped and
-// zeros can be written. After a reset all zeros are 0. A damaged frame restarts an averaging. Beats as
+// force: never refuse. start_i, once after a reset, when no zero is known: with at_start as average and force
+// together. While load, frames are dropped and zeros can be written, but not to words that do not exist. After a reset all zeros are 0. A damaged frame restarts an averaging. Beats as
 // msn_frame_marker gives them; a beat that does not fit leaves as 0, because in too long a frame its zeros were
 // written by the same frame.
 //
@@ -33,21 +33,9 @@ module msn_tare #(
   input  logic                        clk_i,
   input  logic                        rst_i,
 
-  input  logic [SampleBits-1:0]       cfg_contact_i,  // codes, unsigned
-  input  logic [7:0]                  cfg_step_i,     // 2^-FractionBits codes a frame; 0: do not follow
-  input  logic                        cfg_tare_i,
-  input  logic                        cfg_force_i,    // with it
-  input  logic                        cfg_load_i,
-  input  logic [Lanes-1:0]            cfg_write_i,    // while cfg_loading_o
-  input  logic [IdBits-1:0]           cfg_word_i,
-  input  logic [SampleBits-1:0]       cfg_offset_i,   // signed codes
-  output logic                        cfg_loading_o,
-
-  output logic                        taring_o,
-  output logic                        pressed_o,      // in the last undamaged frame
-  output logic [15:0]                 tared_o,        // averagings done, since reset
-  output logic [15:0]                 refused_o,
-  output logic [31:0]                 swallowed_o,    // frames dropped while loading
+  input  msn_registers_pkg::tare_cfg_t    cfg_i,      // contact and zero in codes, step in 2^-FractionBits codes
+  input  logic                            start_i,
+  output msn_registers_pkg::tare_status_t status_o,   // pressed: in the last undamaged frame; counts since reset
 
   input  logic                        in_valid_i,
   output logic                        in_ready_o,
@@ -97,9 +85,14 @@ module msn_tare #(
   // so that no word is read before it is written, however small the array.
   localparam int unsigned Drain = 4;
   logic accept, was_whole, midway, ending, restart, done, word_valid;
-  logic load_due, load_change, change_next, midway_next, ending_next;
+  logic loading, pressed, ask, load_due, load_change, change_next, midway_next, ending_next;
   logic closed;  // load_due || ending, registered a clock ahead, for timing
   logic [2:0] drain;
+  logic [15:0] tared_count, refused_count;
+  logic [31:0] swallowed_count;  // frames dropped while loading
+  logic [Lanes-1:0] written;
+  assign ask     = cfg_i.average || (start_i && cfg_i.at_start);
+  assign written = (cfg_i.write_written && {1'b0, cfg_i.word} < 21'(Beats)) ? cfg_i.write[Lanes-1:0] : '0;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
   assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: accept is known late
@@ -109,13 +102,14 @@ module msn_tare #(
   logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next;
   logic working, working_next;  // averaging || commit, registered as in_ready_o depends on it
   logic [7:0] frames;
-  assign working_next = done && was_whole && !cfg_loading_o ? averaging && (forced || !any_contact) : working;
-  assign load_next    = cfg_load_i && !working;
+  assign working_next = done && was_whole && !loading ? averaging && (forced || !any_contact) : working;
+  assign load_next    = cfg_i.load && !working;
   assign load_due     = !midway && load_change;
-  assign change_next  = (cfg_load_i && !working_next) != cfg_loading_o && !load_due;
+  assign change_next  = (cfg_i.load && !working_next) != loading && !load_due;
   assign midway_next  = accept || (midway && !done);
   assign ending_next  = accept ? in_last_i : ending && drain > 3'd1;
-  assign taring_o     = asked || averaging || commit;
+  assign status_o     = {loading, asked || averaging || commit, pressed, tared_count, refused_count,
+                         swallowed_count};
 
   always_ff @(posedge clk_i) begin
     midway <= midway_next;
@@ -125,15 +119,15 @@ module msn_tare #(
     if (accept && in_last_i) drain <= 3'(Drain);
     else if (drain != '0) drain <= drain - 1'b1;
 
-    if (cfg_tare_i) {asked, asked_force} <= {1'b1, cfg_force_i};
+    if (ask) {asked, asked_force} <= {1'b1, cfg_i.force_ || start_i};
     working     <= working_next;
     load_change <= change_next;
     if (load_due) begin
-      cfg_loading_o <= load_next;
+      loading <= load_next;
       fresh         <= fresh && !load_next;
       drain         <= 3'(Drain);
-    end else if (asked && !midway && !averaging && !commit && !cfg_loading_o) begin
-      asked     <= cfg_tare_i;
+    end else if (asked && !midway && !averaging && !commit && !loading) begin
+      asked     <= ask;
       averaging <= 1'b1;
       working   <= 1'b1;
       forced    <= asked_force;
@@ -141,15 +135,15 @@ module msn_tare #(
     end
 
     if (done) begin
-      if (was_whole && !cfg_loading_o) begin
-        pressed_o <= any_contact;
+      if (was_whole && !loading) begin
+        pressed <= any_contact;
         fresh     <= 1'b0;
         commit    <= 1'b0;
-        tared_o   <= tared_o + 16'(commit);
+        tared_count <= tared_count + 16'(commit);
         frames    <= frames + 1'b1;
         if (averaging && any_contact && !forced) begin
           averaging <= 1'b0;
-          refused_o <= refused_o + 1'b1;
+          refused_count <= refused_count + 1'b1;
         end else if (averaging && frames == 8'((1 << TareLog2) - 1)) begin
           averaging <= 1'b0;
           commit    <= 1'b1;
@@ -157,13 +151,13 @@ module msn_tare #(
       end else begin
         frames <= '0;
       end
-      if (cfg_loading_o) swallowed_o <= swallowed_o + 1'b1;
+      if (loading) swallowed_count <= swallowed_count + 1'b1;
     end
 
     if (rst_i) begin
       {midway, ending, closed, asked, averaging, commit, working} <= '0;
-      {cfg_loading_o, load_change, pressed_o} <= '0;
-      {tared_o, refused_o, swallowed_o} <= '0;
+      {loading, load_change, pressed} <= '0;
+      {tared_count, refused_count, swallowed_count} <= '0;
       fresh <= 1'b1;
       drain <= '0;
     end
@@ -200,18 +194,18 @@ module msn_tare #(
 
   always_ff @(posedge clk_i) begin
     if (out_ready_i || !out_valid_o) begin
-      out_valid_o    <= accept && !cfg_loading_o;
+      out_valid_o    <= accept && !loading;
       out_mask_o     <= in_mask_i;
       out_id_o       <= in_id_i;
       out_fits_o     <= in_fits_i;
       out_row_last_o <= in_row_last_i;
       out_last_o     <= in_last_i;
     end
-    learn       <= accept && in_fits_i && !cfg_loading_o;
+    learn       <= accept && in_fits_i && !loading;
     learn_q     <= learn;
     place_q     <= out_id_o;
-    write       <= cfg_loading_o ? cfg_write_i : {Lanes{learn_q}};
-    write_place <= cfg_loading_o ? cfg_word_i : place_q;
+    write       <= loading ? written : {Lanes{learn_q}};
+    write_place <= loading ? cfg_i.word[IdBits-1:0] : place_q;
     any_contact <= any_contact || (learn_q && |pressing);
     if (done) any_contact <= 1'b0;
     if (rst_i) begin
@@ -250,14 +244,14 @@ module msn_tare #(
     assign tared = DiffBits'(signed'(in_data_i[k*SampleBits+:SampleBits])) - DiffBits'(signed'(rounded));
     assign out_data_o[k*DiffBits+:DiffBits] = out_fits_o ? seen : '0;
     msn_compare #(.Width(DiffBits)) u_over (
-      .a_i(seen), .b_i(signed'({1'b0, cfg_contact_i})), .greater_o(over)
+      .a_i(seen), .b_i(signed'({1'b0, SampleBits'(cfg_i.contact)})), .greater_o(over)
     );
 
     logic                       surplus, mask_q, follow;
     logic signed [ZeroBits-1:0] rate;
     assign surplus     = out_row_last_o && (RowBeats - 1) * Lanes + k >= Columns;
     assign pressing[k] = over_q && !mask_q;
-    assign rate       = signed'(ZeroBits'(cfg_step_i));
+    assign rate       = signed'(ZeroBits'(cfg_i.step));
     assign zero_moved = negative ? zero_2 - rate : zero_2 + rate;
     assign follow     = nonzero && !over_q && !averaging && !commit;
     always_ff @(posedge clk_i) begin
@@ -271,10 +265,13 @@ module msn_tare #(
       zero_2   <= zero_1;
       sum_2    <= (frames == '0 ? '0 : sum_1) + SumBits'(seen);
 
-      write_data[k*PartBits+:PartBits] <= cfg_loading_o ?
-          {signed'({cfg_offset_i[SampleBits-1], cfg_offset_i}), {(FractionBits + SumBits) {1'b0}}} :
+      write_data[k*PartBits+:PartBits] <= loading ?
+          {DiffBits'(signed'(SampleBits'(cfg_i.zero))), {(FractionBits + SumBits) {1'b0}}} :
           {follow ? zero_moved : zero_2, averaging ? sum_2 : SumBits'(0)};
     end
   end
+
+  logic unused_cfg;  // the register's bits for more lanes and words than this build has
+  assign unused_cfg = ^cfg_i;
 
 endmodule

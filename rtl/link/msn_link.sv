@@ -1,103 +1,100 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The link to the host: instances and wires only.
+// The link to the host, with the clock count for the times in packets and the last centre of pressure's `pressed`.
 //
-//   Uart:  events, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
-//          register bus ── bridge ── uart_rx ── line,   bridge ── answers ── packet
-//   else:  events, CoP, health, counters, images ── packet ── bytes, unframed
-//          register bus ── the host's bus
+//   Uart:      events, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
+//              register bus ── bridge ── uart_rx ── line,   bridge ── answers ── packet
+//   else:      events, CoP, health, counters, images ── packet ── bytes, unframed;   register bus ── the host's bus
+//   SlipOnly:  events ── link_slip ── line
 //
-// Specification: docs/link.md. With Registers = 0 nothing is received on the line.
+// The statistics are counters from status_i: with Array the scan's, else the converter's. Specification: docs/link.md.
+// With Registers = 0 nothing is received on the line.
 // Model: model/meissner/twins/link/link.py
 
 module msn_link #(
-  parameter  int unsigned ClkHz         = 25_000_000,
-  parameter  int unsigned BaudHz        = 3_000_000,
-  parameter  bit          Uart          = 1'b1,
-  parameter  bit          Registers     = 1'b1,  // over the line; the host's bus (Uart = 0) does not need it
-  parameter  int unsigned TimeoutClocks = ClkHz / 100,
-  parameter  int unsigned SlipDepth     = 64,    // as in msn_packet
-  parameter  bit          Cop           = 1'b1,
-  parameter  bit          Health        = 1'b1,
-  parameter  int unsigned Statistics    = 4,
-  parameter  int unsigned StatisticBits = 20,
-  parameter  int unsigned Taxels        = 4096,
-  parameter  int unsigned Chunk         = 64,
-  localparam int unsigned Counters      = (Statistics > 0) ? Statistics : 1
+  parameter int unsigned ClkKhz        = 25_000,
+  parameter int unsigned BaudHz        = 3_000_000,
+  parameter bit          SlipOnly      = 1'b0,
+  parameter bit          Uart          = 1'b1,
+  parameter bit          Registers     = 1'b1,  // over the line; the host's bus (Uart = 0) does not need it
+  parameter bit          Array         = 1'b0,
+  parameter int unsigned TimeoutClocks = 10 * ClkKhz,
+  parameter int unsigned DetailBits    = 18,
+  parameter int unsigned SlipDepth     = 64,    // as in msn_packet, like the ones below
+  parameter bit          Cop           = 1'b1,
+  parameter bit          Health        = 1'b1,
+  parameter bit          Statistics    = 1'b1,
+  parameter int unsigned StatisticBits = 22,
+  parameter int unsigned Taxels        = 4096,
+  parameter int unsigned Chunk         = 64
 ) (
-  input  logic                   clk_i,
-  input  logic                   rst_i,
+  input  logic                            clk_i,
+  input  logic                            rst_i,
+  output logic [47:0]                     now_o,             // clocks since reset
 
-  input  logic                   rx_i,
-  output logic                   tx_o,
+  input  msn_registers_pkg::status_t      status_i,          // of the entire core
+  output msn_registers_pkg::link_status_t status_o,
 
-  output logic                   out_valid_o,      // Uart = 0
-  input  logic                   out_ready_i,
-  output logic [7:0]             out_data_o,
-  output logic                   out_last_o,
+  input  logic                            convert_i,         // SlipOnly
+  input  logic [47:0]                     time_i,            // of the frame that the results are from
+  input  logic                            decision_valid_i,
+  output logic                            decision_ready_o,
+  input  msn_pkg::decision_t              decision_i,
+  input  logic                            cop_valid_i,
+  input  msn_pkg::cop_t                   cop_i,
+  output logic                            pressed_o,         // the last centre of pressure
+  input  logic                            health_valid_i,
+  output logic                            health_ready_o,
+  input  msn_pkg::health_t                health_i,
+  input  logic                            image_valid_i,
+  input  logic [15:0]                     image_data_i,
+  input  logic                            image_last_i,
 
-  input  logic                   host_valid_i,     // Uart = 0
-  input  logic                   host_write_i,
-  input  logic [11:0]            host_address_i,
-  input  logic [31:0]            host_wdata_i,
-  input  logic [3:0]             host_strobe_i,
-  output logic                   host_done_o,
-  output logic                   host_error_o,
-  output logic [31:0]            host_rdata_o,
+  output logic                            bus_valid_o,       // to the registers
+  output logic                            bus_write_o,
+  output logic [11:0]                     bus_address_o,
+  output logic [31:0]                     bus_wdata_o,
+  output logic [3:0]                      bus_strobe_o,
+  input  logic                            bus_done_i,
+  input  logic                            bus_error_i,
+  input  logic [31:0]                     bus_rdata_i,
 
-  output logic                   bus_valid_o,
-  output logic                   bus_write_o,
-  output logic [11:0]            bus_address_o,
-  output logic [31:0]            bus_wdata_o,
-  output logic [3:0]             bus_strobe_o,
-  input  logic                   bus_done_i,
-  input  logic                   bus_error_i,
-  input  logic [31:0]            bus_rdata_i,
-
-  input  logic [47:0]            now_i,
-
-  input  logic                   slip_valid_i,
-  output logic                   slip_ready_o,
-  input  logic [15:0]            slip_id_i,
-  input  msn_pkg::slip_state_e   slip_state_i,
-  input  logic [23:0]            slip_p2p_i,
-  input  logic [47:0]            slip_time_i,
-
-  input  logic                   cop_valid_i,
-  input  logic [23:0]            cop_x_i,
-  input  logic [23:0]            cop_y_i,
-  input  logic [39:0]            cop_load_i,
-  input  logic                   cop_pressed_i,
-  input  logic [47:0]            cop_time_i,
-
-  input  logic                   health_valid_i,
-  output logic                   health_ready_o,
-  input  logic [23:0]            health_id_i,
-  input  logic [7:0]             health_faults_i,
-
-  input  logic [Counters*32-1:0] statistics_i,
-
-  input  logic                   image_valid_i,
-  input  logic [15:0]            image_data_i,
-  input  logic                   image_last_i,
-  input  logic [47:0]            image_time_i,
-
-  output logic [31:0]            packets_o,
-  output logic [31:0]            cop_dropped_o,
-  output logic [31:0]            image_dropped_o,
-  output logic [31:0]            rejected_o
+  input  logic                            rx_i,
+  output logic                            tx_o,
+  input  logic                            host_valid_i,      // Uart = 0
+  input  logic                            host_write_i,
+  input  logic [11:0]                     host_address_i,
+  input  logic [31:0]                     host_wdata_i,
+  input  logic [3:0]                      host_strobe_i,
+  output logic                            host_done_o,
+  output logic                            host_error_o,
+  output logic [31:0]                     host_rdata_o,
+  output logic                            out_valid_o,
+  input  logic                            out_ready_i,
+  output logic [7:0]                      out_data_o,
+  output logic                            out_last_o
 );
 
+  localparam int unsigned ClkHz = 1000 * ClkKhz;
+
+  always_ff @(posedge clk_i) begin
+    now_o <= now_o + 1'b1;
+    if (cop_valid_i) pressed_o <= cop_i.pressed;
+    if (rst_i) {now_o, pressed_o} <= '0;
+  end
+
+  // The registers' bus.
   logic        answer_valid, answer_ready;
   logic [63:0] answer;
-  if (!Uart) begin : gen_host
+  if (!SlipOnly && !Uart) begin : gen_host
     assign {bus_valid_o, bus_write_o, bus_address_o, bus_wdata_o, bus_strobe_o} =
         {host_valid_i, host_write_i, host_address_i, host_wdata_i, host_strobe_i};
     assign {host_done_o, host_error_o, host_rdata_o} = {bus_done_i, bus_error_i, bus_rdata_i};
-    assign {answer_valid, answer, rejected_o} = '0;
-    logic unused_line;
-    assign unused_line = ^{rx_i, answer_ready};
-  end else if (Registers) begin : gen_registers
+    assign {answer_valid, answer, status_o.rejected} = '0;
+  end else begin : gen_no_host
+    assign {host_done_o, host_error_o, host_rdata_o} = '0;
+  end
+  if (!SlipOnly && Uart && Registers) begin : gen_registers
     logic       byte_valid, byte_error;
     logic [7:0] byte_data;
     msn_uart_rx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_rx (
@@ -112,64 +109,80 @@ module msn_link #(
       .bus_valid_o, .bus_write_o, .bus_address_o, .bus_wdata_o, .bus_strobe_o, .bus_done_i, .bus_error_i,
       .bus_rdata_i,
       .answer_valid_o(answer_valid), .answer_ready_i(answer_ready), .answer_data_o(answer),
-      .rejected_o
+      .rejected_o(status_o.rejected)
     );
-  end else begin : gen_no_registers
+  end else if (SlipOnly || Uart) begin : gen_no_registers
     assign {bus_valid_o, bus_write_o, bus_address_o, bus_wdata_o, bus_strobe_o} = '0;
-    assign {answer_valid, answer, rejected_o} = '0;
-    logic unused_registers;
-    assign unused_registers = ^{rx_i, bus_done_i, bus_error_i, bus_rdata_i, answer_ready};
-  end
-  if (Uart) begin : gen_no_host
-    assign {host_done_o, host_error_o, host_rdata_o} = '0;
-    logic unused_host;
-    assign unused_host = ^{host_valid_i, host_write_i, host_address_i, host_wdata_i, host_strobe_i};
+    assign {answer_valid, answer, status_o.rejected} = '0;
   end
 
-  logic       packet_begin, packet_valid, packet_ready, packet_last;
-  logic [7:0] packet_data;
-  msn_packet #(
-    .SlipDepth(SlipDepth), .Cop(Cop), .Health(Health), .Answers(Uart && Registers), .Statistics(Statistics),
-    .StatisticBits(StatisticBits), .Taxels(Taxels), .Chunk(Chunk)
-  ) u_packet (
-    .clk_i, .rst_i,
-    .now_i,
-    .slip_valid_i, .slip_ready_o, .slip_id_i, .slip_state_i, .slip_p2p_i, .slip_time_i,
-    .cop_valid_i, .cop_x_i, .cop_y_i, .cop_load_i, .cop_pressed_i, .cop_time_i,
-    .health_valid_i, .health_ready_o, .health_id_i, .health_faults_i,
-    .answer_valid_i(answer_valid), .answer_ready_o(answer_ready), .answer_data_i(answer),
-    .statistics_i,
-    .image_valid_i, .image_data_i, .image_last_i, .image_time_i,
-    .out_begin_o(packet_begin), .out_valid_o(packet_valid), .out_ready_i(packet_ready),
-    .out_data_o(packet_data), .out_last_o(packet_last),
-    .packets_o, .cop_dropped_o, .image_dropped_o
-  );
-
-  if (Uart) begin : gen_line
-    logic       framed_valid, framed_ready;
-    logic [7:0] framed_data;
-    msn_cobs u_cobs (
-      .clk_i, .rst_i,
-      .in_begin_i(packet_begin), .in_valid_i(packet_valid), .in_ready_o(packet_ready),
-      .in_data_i(packet_data), .in_last_i(packet_last),
-      .out_valid_o(framed_valid), .out_ready_i(framed_ready), .out_data_o(framed_data)
-    );
-    msn_uart_tx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_tx (
-      .clk_i, .rst_i,
-      .in_valid_i(framed_valid), .in_ready_o(framed_ready), .in_data_i(framed_data),
+  if (SlipOnly) begin : gen_slip_only
+    msn_link_slip #(.ClkHz(ClkHz), .BaudHz(BaudHz), .P2pBits(DetailBits)) u_link (
+      .clk_i, .rst_i, .convert_i,
+      .in_valid_i(decision_valid_i), .in_ready_o(decision_ready_o), .in_i(decision_i),
       .tx_o
     );
-    assign {out_valid_o, out_data_o, out_last_o} = '0;
-    logic unused_ready;
-    assign unused_ready = out_ready_i;
-  end else begin : gen_bytes
-    assign out_valid_o  = packet_valid;
-    assign packet_ready = out_ready_i;
-    assign out_data_o   = packet_data;
-    assign out_last_o   = packet_last;
-    assign tx_o         = 1'b1;
-    logic unused_begin;
-    assign unused_begin = packet_begin;
+    assign {status_o.packets, status_o.cop_dropped, status_o.image_dropped, health_ready_o} = '0;
+    assign {answer_ready, out_valid_o, out_data_o, out_last_o} = '0;
+
+  end else begin : gen_packets
+    localparam int unsigned StatisticsBits = Statistics ? 256 : 32;
+    logic [95:0]               frames;
+    logic [StatisticsBits-1:0] statistics;
+    assign frames = Array ? {status_i.scan.lost, status_i.scan.overrun, status_i.scan.dropped} :
+                    {status_i.adc.timeout, status_i.adc.overrun, status_i.adc.dropped};
+    assign statistics = StatisticsBits'({
+        status_i.link.rejected, status_i.link.image_dropped, status_i.cop.damaged, status_i.slip.blanked,
+        status_i.slip.damaged, frames});
+
+    logic       slip_ready, packet_begin, packet_valid, packet_ready, packet_last;
+    logic [7:0] packet_data;
+    assign decision_ready_o = !decision_i.raised || slip_ready;
+    msn_packet #(
+      .SlipDepth(SlipDepth), .Cop(Cop), .Health(Health), .Answers(Uart && Registers),
+      .Statistics(Statistics ? 8 : 0), .StatisticBits(StatisticBits), .Taxels(Taxels), .Chunk(Chunk)
+    ) u_packet (
+      .clk_i, .rst_i,
+      .now_i(now_o), .time_i,
+      .slip_valid_i(decision_valid_i && decision_i.raised), .slip_ready_o(slip_ready), .slip_i(decision_i),
+      .cop_valid_i, .cop_i, .health_valid_i, .health_ready_o, .health_i,
+      .answer_valid_i(answer_valid), .answer_ready_o(answer_ready), .answer_data_i(answer),
+      .statistics_i(statistics),
+      .image_valid_i, .image_data_i, .image_last_i,
+      .out_begin_o(packet_begin), .out_valid_o(packet_valid), .out_ready_i(packet_ready),
+      .out_data_o(packet_data), .out_last_o(packet_last),
+      .packets_o(status_o.packets), .cop_dropped_o(status_o.cop_dropped),
+      .image_dropped_o(status_o.image_dropped)
+    );
+
+    if (Uart) begin : gen_line
+      logic       framed_valid, framed_ready;
+      logic [7:0] framed_data;
+      msn_cobs u_cobs (
+        .clk_i, .rst_i,
+        .in_begin_i(packet_begin), .in_valid_i(packet_valid), .in_ready_o(packet_ready),
+        .in_data_i(packet_data), .in_last_i(packet_last),
+        .out_valid_o(framed_valid), .out_ready_i(framed_ready), .out_data_o(framed_data)
+      );
+      msn_uart_tx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_tx (
+        .clk_i, .rst_i,
+        .in_valid_i(framed_valid), .in_ready_o(framed_ready), .in_data_i(framed_data),
+        .tx_o
+      );
+      assign {out_valid_o, out_data_o, out_last_o} = '0;
+    end else begin : gen_bytes
+      assign {out_valid_o, packet_ready, out_data_o} = {packet_valid, out_ready_i, packet_data};
+      assign {out_last_o, tx_o} = {packet_last, 1'b1};
+      logic unused_begin;
+      assign unused_begin = packet_begin;
+    end
   end
+
+  // Signals that some builds do not use.
+  logic unused;
+  assign unused = ^{status_i, convert_i, time_i, decision_i, cop_i, health_valid_i, health_i, image_valid_i,
+                    image_data_i, image_last_i, bus_done_i, bus_error_i, bus_rdata_i, rx_i, host_valid_i,
+                    host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i, answer_valid, answer,
+                    answer_ready};
 
 endmodule

@@ -30,24 +30,16 @@ module msn_packet #(
 
   input  logic [47:0]            now_i,            // of health, statistics and answers
 
+  input  logic [47:0]            time_i,           // of the frame that events, CoP and images are from
+
   input  logic                   slip_valid_i,     // an event
   output logic                   slip_ready_o,
-  input  logic [15:0]            slip_id_i,
-  input  msn_pkg::slip_state_e   slip_state_i,
-  input  logic [23:0]            slip_p2p_i,
-  input  logic [47:0]            slip_time_i,
-
+  input  msn_pkg::decision_t     slip_i,
   input  logic                   cop_valid_i,
-  input  logic [23:0]            cop_x_i,
-  input  logic [23:0]            cop_y_i,
-  input  logic [39:0]            cop_load_i,
-  input  logic                   cop_pressed_i,
-  input  logic [47:0]            cop_time_i,
-
+  input  msn_pkg::cop_t          cop_i,
   input  logic                   health_valid_i,
   output logic                   health_ready_o,
-  input  logic [23:0]            health_id_i,
-  input  logic [7:0]             health_faults_i,
+  input  msn_pkg::health_t       health_i,
 
   input  logic                   answer_valid_i,
   output logic                   answer_ready_o,
@@ -58,7 +50,6 @@ module msn_packet #(
   input  logic                   image_valid_i,
   input  logic [15:0]            image_data_i,
   input  logic                   image_last_i,
-  input  logic [47:0]            image_time_i,
 
   output logic                   out_begin_o,      // a packet follows or is under way
   output logic                   out_valid_o,
@@ -100,21 +91,21 @@ module msn_packet #(
     msn_fifo #(.Depth(SlipDepth), .Width(91)) u_queue (
       .clk_i, .rst_i,
       .in_valid_i(slip_valid_i), .in_ready_o(slip_ready_o),
-      .in_data_i({slip_state_i, slip_p2p_i, slip_id_i, slip_time_i}),
+      .in_data_i({slip_i.state, slip_i.p2p, slip_i.id, time_i}),
       .out_valid_o(slip_valid), .out_ready_i(slip_take), .out_data_o(event_data)
     );
     assign slip = {PayloadBits'(event_data[90:48]), event_data[47:0], 4'd6, 8'd1};
   end else begin : gen_no_slip
     assign {slip_ready_o, slip_valid, slip} = '0;
     logic unused_slip;
-    assign unused_slip = ^{slip_valid_i, slip_id_i, slip_state_i, slip_p2p_i, slip_time_i, slip_take};
+    assign unused_slip = ^{slip_valid_i, slip_take};
   end
 
   if (Cop) begin : gen_cop
     always_ff @(posedge clk_i) begin
       cop_valid <= cop_valid_i || (cop_valid && !cop_take);
       if (cop_valid_i) begin
-        cop <= {PayloadBits'({7'd0, cop_pressed_i, cop_load_i, cop_y_i, cop_x_i}), cop_time_i, 4'd12, 8'd2};
+        cop <= {PayloadBits'({7'd0, cop_i.pressed, cop_i.load, cop_i.y, cop_i.x}), time_i, 4'd12, 8'd2};
       end
       if (cop_valid_i && cop_valid && !cop_take) cop_dropped_o <= cop_dropped_o + 1'b1;
       if (rst_i) begin
@@ -125,20 +116,20 @@ module msn_packet #(
   end else begin : gen_no_cop
     assign {cop_valid, cop, cop_dropped_o} = '0;
     logic unused_cop;
-    assign unused_cop = ^{cop_valid_i, cop_x_i, cop_y_i, cop_load_i, cop_pressed_i, cop_time_i, cop_take};
+    assign unused_cop = ^{cop_valid_i, cop_take};
   end
 
   if (Health) begin : gen_health
     assign health_ready_o = !health_valid;
     always_ff @(posedge clk_i) begin
       health_valid <= (health_valid_i && health_ready_o) || (health_valid && !health_take);
-      if (health_ready_o) health <= {PayloadBits'({health_faults_i, health_id_i}), now_i, 4'd4, 8'd4};
+      if (health_ready_o) health <= {PayloadBits'({health_i.faults, health_i.id}), now_i, 4'd4, 8'd4};
       if (rst_i) health_valid <= 1'b0;
     end
   end else begin : gen_no_health
     assign {health_ready_o, health_valid, health} = '0;
     logic unused_health;
-    assign unused_health = ^{health_valid_i, health_id_i, health_faults_i, health_take};
+    assign unused_health = ^{health_valid_i, health_take};
   end
 
   logic answer_valid;
@@ -178,7 +169,7 @@ module msn_packet #(
     msn_image_chunks #(.Taxels(Taxels), .Chunk(Chunk)) u_chunks (
       .clk_i, .rst_i,
       .in_valid_i(image_valid_i), .in_data_i(image_data_i), .in_last_i(image_last_i),
-      .in_time_i(image_time_i),
+      .in_time_i(time_i),
       .chunk_valid_o(image_valid), .chunk_time_o(image_time), .chunk_number_o(number),
       .chunk_first_o(first), .chunk_final_o(final_chunk), .take_i(image_take),
       .taxel_o(taxel), .end_o(image_end), .step_i(image_step),
@@ -188,8 +179,11 @@ module msn_packet #(
   end else begin : gen_no_image
     assign {image_valid, image, image_end, taxel, image_dropped_o} = '0;
     logic unused_image;
-    assign unused_image = ^{image_valid_i, image_data_i, image_last_i, image_time_i, image_take, image_step};
+    assign unused_image = ^{image_valid_i, image_data_i, image_last_i, image_take, image_step};
   end
+
+  logic unused_inputs;
+  assign unused_inputs = ^{time_i, slip_i, cop_i, health_i};
 
   // Choose.
   typedef enum logic [1:0] {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`.
+// Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`.
 //
 // The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an
 // access is an error, and changes nothing, at an address without a register in this build, at one that is no

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`.
+// Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`.
 //
 // A struct per group of registers: what the core gets of it, what it gives. Members have no sign: `signed'()`
 // where docs/registers.md has one. And the settings' reset values as one number, the first setting lowest.

@@ -459,6 +459,26 @@ async def a_reset_in_a_grip_moves_nothing(dut):
     await bench.RisingEdge(dut.clk_i)
 
 
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(mode=[0, 1])
+async def an_upset_of_the_last_commands_mode_moves_nothing(dut, mode):
+    """Each of its bits in turn, in mid-period: the next command follows the last one and corrects the mode."""
+    await begin(dut, **HAND | {"mode": mode, "override": mode, "override_value": 30})
+    await cycles(dut, 2)
+    drive(dut, override=0)
+    found, got = await cycles(dut, 2, over=[0])
+    assert (found, got["command"]) == ([0, 7], 37)
+    right = bench.read(dut.given)
+    for bit in range(len(dut.given)):
+        await bench.clocks(dut, 5)
+        dut.given.value = right ^ 1 << bit
+        await bench.clocks(dut, 15)
+        found, got = await cycles(dut, 2, over=[0])
+        assert (found, got["command"], got["fault"]) == ([0, 7], 51 + 14 * bit, 0)
+        assert bench.read(dut.given) == right
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset(dut):
     names = ("out_valid_o", "out_command_o", "out_increment_o", "out_word_o", "faulty_o")

@@ -1,7 +1,6 @@
 """The boards: a bitstream is built from the current sources; a wrong, slow or grown netlist is refused; bad
 input is answered with one sentence."""
 
-import json
 import subprocess
 import sys
 
@@ -10,10 +9,13 @@ import pytest
 import synth
 from meissner.builds import bitstream, boards, config
 from meissner.builds.yowasp import ROOT, ToolError, yosys
+from meissner.tradeoff import area
+
+RECORDED = area.recorded(area.BOARDS, "make resources")
 
 
 def run(*arguments):
-    command = [sys.executable, "tools/synth.py", *arguments]
+    command = [sys.executable, "tools/make/synth.py", *arguments]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
 
@@ -57,7 +59,7 @@ def test_the_smallest_board_synthesises_as_recorded():
 
 
 def test_every_pair_is_recorded_and_meets_its_clock():
-    recorded = json.loads(synth.RESOURCES.read_text())
+    recorded = RECORDED
     assert synth.missing(recorded) == []
     for name, result in recorded.items():
         if "left_out" in result:
@@ -66,35 +68,9 @@ def test_every_pair_is_recorded_and_meets_its_clock():
         assert max(result["mhz"]) >= result["clk_mhz"], name  # one seed that meets it is enough
 
 
-def test_the_page_has_the_tables_of_what_is_recorded():
-    page = synth.PAGE.read_text()
-    for table in synth.tables(json.loads(synth.RESOURCES.read_text())):
-        assert table in page, f"{synth.PAGE} is old; `make resources` writes it"
-
-
-def test_the_table_says_how_many_seeds_meet_the_clock():
-    """A seed that meets the clock exactly counts."""
-    recorded = json.loads(synth.RESOURCES.read_text())
-    for mhz, said in (
-        ([100.0, 99.9, 90.0], "90.0; 1 of 3 seeds meet the clock"),
-        ([101.0, 103.0, 100.0], "100.0"),
-    ):
-        row = recorded["ulx3s-full"] | {"clk_mhz": 100.0, "mhz": mhz, "mhz_worst": min(mhz)}
-        area = synth.tables(recorded | {"ulx3s-full": row})[0]
-        assert f"| 100 | {said} |" in next(line for line in area.splitlines() if "ULX3S 45F, full" in line)
-
-
-def test_a_missing_or_surplus_pair_is_found():
-    recorded = json.loads(synth.RESOURCES.read_text())
-    last = recorded.pop("ulx3s-slip1")
-    assert len(synth.missing(recorded)) == 1
-    assert len(synth.missing(recorded | {"ulx3s-none": last})) == 2
-    assert len(synth.missing(recorded | {"ulx3s-slip1": last | {"device": "85F"}})) == 1
-
-
 def test_every_board_has_every_configuration_or_says_why_not():
     """The reasons are in resources.json too, in the same words, so a missing pair is always noticed."""
-    recorded = json.loads(synth.RESOURCES.read_text())
+    recorded = RECORDED
     for board in boards.BOARDS.values():
         assert not set(board.configs) & set(board.left_out)
         assert {*board.configs, *board.left_out} == set(config.names())
@@ -109,7 +85,7 @@ def test_every_board_has_every_configuration_or_says_why_not():
 def test_a_pair_is_on_the_smallest_device_that_will_do():
     """The next smaller device has too few block RAMs, or there is none; the 12F does not count."""
     rams = {"25F": 56, "45F": 108, "85F": 208}
-    recorded = json.loads(synth.RESOURCES.read_text())
+    recorded = RECORDED
     for name in boards.BOARDS["ulx3s"].configs:
         result = recorded[f"ulx3s-{name}"]
         if "left_out" in result:

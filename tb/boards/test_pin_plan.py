@@ -202,7 +202,7 @@ def test_a_pull_is_written_as_each_tool_reads_it():
     assert "{PACKAGE_PIN 7 IOSTANDARD LVCMOS33 PULLUP TRUE} [get_ports {moving_i}]" in written[".xdc"]
     down = pins.Plan(plan.board, "x", (pins.Port("busy", "busy_i", ("8",), ("x",), ("y",), "down"),))
     assert "PULLMODE=DOWN" in board_files.constraints(down, ".lpf")
-    with pytest.raises(ValueError, match="an iCE40 has no pull-down, which busy_i needs"):
+    with pytest.raises(ValueError, match="busy_i"):
         board_files.constraints(down, ".pcf")
 
 

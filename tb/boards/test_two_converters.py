@@ -11,10 +11,10 @@ from cocotb.triggers import Edge, FallingEdge, First, RisingEdge, Timer
 
 import bench
 from boards import users
+from harness.compile_models import Units
 from meissner.builds import boards, toolchain
 from meissner.twins.link import packet as p
 from meissner.twins.link.decoder import Decoder
-from units import Units
 
 BIT_PS = 333_333  # 3 Mbaud
 # [converter][channel][row]; the two converters share no code.

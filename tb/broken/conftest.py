@@ -2,7 +2,7 @@
 
 import pytest
 
-import drawing
+from harness import drawing
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -51,7 +51,7 @@ def answers(monkeypatch, break_it, engine="fixed"):
 
 def test_every_metric_of_the_summary_is_here(sound):
     told = (
-        "scene engine seed seconds_taken samples_per_second modelled left_out built not_built saved "
+        "scene engine seed seconds_taken samples_per_second modelled left_out built not_built "
         "twin_mismatches runs seeds rows"
     )
     assert set(sound) - METRICS == {*told.split(), "columns", "files"}

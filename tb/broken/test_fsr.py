@@ -7,12 +7,12 @@ import tomllib
 import numpy as np
 import pytest
 
-from meissner import scenes
+from meissner import engines, scenes
 from meissner.interval import words
 from meissner.physics import fsr
-from meissner.scenes.chain import Chain
 from meissner.scenes.fsr import run
 from meissner.scenes.fsr import scene as of_matrix
+from meissner.scenes.timed import TimedEngine
 
 COMMON = "scene engine seed seconds_simulated seconds_taken samples_per_second twin_mismatches modelled"
 COMMON = {
@@ -20,7 +20,6 @@ COMMON = {
     "left_out",
     "built",
     "not_built",
-    "saved",
     "runs",
     "seeds",
     "frames",
@@ -47,7 +46,8 @@ def small(load_ohm=5000.0, min_load_n=1.0, driver_ohm=5.0):
 def metrics(scene):
     """{metric: value; column of its table: values}, columns with "each" before their names; and the
     arrays."""
-    summary, arrays, _ = run.measure(scene, "fixed", 1)
+    found = run.run(scene, "fixed", 1)
+    summary, arrays = found.summary, found.arrays
     found = {key: value for key, value in summary.items() if key not in COMMON | {"conditions"}}
     rows = summary["conditions"]
     return found | {f"each {key}": [row[key] for row in rows] for key in rows[0]}, arrays
@@ -72,8 +72,14 @@ def turned(sound):
 
 def readings(monkeypatch, break_it):
     """``break_it(total, x, y, valid)`` after the centre of pressure."""
-    right = Chain.cop
-    monkeypatch.setattr(Chain, "cop", lambda *at: break_it(*right(*at)))
+    right, one = TimedEngine.cop, engines.COP_ONE
+
+    def broken(*at):
+        found = right(*at)
+        total, x, y, valid = break_it(found["sum"], found["x"] / one, found["y"] / one, found["valid"])
+        return found | {"sum": total, "x": x * one, "y": y * one, "valid": valid}
+
+    monkeypatch.setattr(TimedEngine, "cop", broken)
 
 
 def converted(monkeypatch, break_it):

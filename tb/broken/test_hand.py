@@ -13,7 +13,7 @@ from meissner.report import words
 from meissner.run import run
 from meissner.scenes.hand import loop
 from meissner.scenes.hand import run as hand
-from meissner.scenes.hand.verdict import answer
+from meissner.scenes.hand.run import answer
 from meissner.twins.actuate.grip import Grip
 
 RUNS, SECONDS = 4, 8.0

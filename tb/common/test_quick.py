@@ -15,7 +15,7 @@ from cocotb.triggers import NullTrigger, ReadOnly, RisingEdge, Timer
 from cocotb.types import Logic, LogicArray
 
 import bench
-import quick
+from harness import fast_cocotb
 
 WIDTH = 40
 # Digests of the sources that quick.py was written for: another version of cocotb may do more.
@@ -52,7 +52,7 @@ def outcome(function, *given):
 @cocotb.parametrize(port=["step_i", "in_data_i"])
 async def a_port_takes_what_it_took(dut, port):
     port = getattr(dut, port)
-    own, quicker = quick._set, type(port).value.fset
+    own, quicker = fast_cocotb._set, type(port).value.fset
     assert own is not quicker
     for value in VALUES:
         found = []
@@ -81,7 +81,7 @@ async def levels_are_given_as_they_were(dut):
     for level in "UX01ZWLH-":
         for value in (0, 1, 2, -1, True, "1", "h", "q", Logic("1"), Logic("L"), LogicArray("1"), 1.0, None):
             found = Logic(level) == value
-            assert found is (quick._equal(Logic(level), value) is True), (level, value)
+            assert found is (fast_cocotb._equal(Logic(level), value) is True), (level, value)
     with pytest.raises(AttributeError, match="no child object named no_such_i"):
         dut.no_such_i  # noqa: B018
     assert not hasattr(dut, "no_such_i") and dut.step_i is dut["step_i"]

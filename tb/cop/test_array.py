@@ -13,12 +13,12 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
+from meissner.twins.cop.array import Array
+from meissner.twins.cop.cop_array import CopArray
 
 import bench
 from cop import array_by_hand
 from meissner.budget.array import terms
-from meissner.twins.cop.array import Array
-from meissner.twins.cop.cop_array import CopArray
 from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc

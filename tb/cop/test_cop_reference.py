@@ -1,7 +1,7 @@
 """The centre of pressure from its geometry, in exact rationals: the mean place of the forces, from -1 to +1.
 
 Columns lie evenly from -1 at the left to +1 at the right, rows from +1 at the top to -1 at the bottom. For
-the complete twins, from forces (cop) and from codes (cop_array); the blocks inside have their own references.
+the complete twins, from forces (cop) and from codes (array_forces); the blocks inside have their own references.
 """
 
 from fractions import Fraction
@@ -12,7 +12,7 @@ import pytest
 
 import bench
 from meissner.twins.cop.cop import cop
-from meissner.twins.cop.cop_array import CopArray
+from meissner.twins.sensor.array_forces import ArrayForces
 
 
 def place(index, count):
@@ -63,9 +63,9 @@ def test_cop_is_the_centre(rows, columns, fraction_bits):
 
 
 @pytest.mark.parametrize("rows, columns, lanes", [(1, 3, 1), (4, 3, 2), (3, 5, 1)])
-def test_cop_array_is_the_centre_of_rounded_forces(rows, columns, lanes):
+def test_array_forces_are_the_centre_of_rounded_forces(rows, columns, lanes):
     rng = np.random.default_rng(bench.SEED)
-    twin = CopArray(rows, columns, lanes, 14, 1000, gain_shift=3)
+    twin = ArrayForces(rows, columns, lanes, min_load=1000, gain_shift=3)
     row_beats = -(-columns // lanes)
     offset, gain = (
         rng.integers(-50, 50, (rows, row_beats * lanes)),
@@ -75,7 +75,7 @@ def test_cop_array_is_the_centre_of_rounded_forces(rows, columns, lanes):
         for lane in range(lanes):
             twin.calibrate.table.write(word, int(zeros[lane]), int(gains[lane]), lane)
     raw, masked = rng.integers(-200, 3000, (40, rows, columns)), rng.random((40, rows, columns)) < 0.1
-    got = list(zip(*(np.asarray(part).tolist() for part in twin.process(raw, masked))))
+    got = list(zip(*(np.asarray(part).tolist() for part in twin.cops(twin.calibrate.process(raw, masked)))))
     for frame, mask, result in zip(raw.tolist(), masked.tolist(), got):
         forces = [
             [

@@ -14,7 +14,7 @@ import pytest
 import bench
 from meissner.twins.common.divide import divide
 from meissner.twins.cop.cop_divide import cop_divide
-from recordings import find
+from published.recordings import find
 
 NAMES = ("eyesOpen_1", "eyesClosed_1")
 SIDE = 128  # an array whose load is wide enough for micronewtons: 30 bits

@@ -4,7 +4,7 @@ with all registers starting at 1, and fails with random start values."""
 import pytest
 
 import bench
-import runner
+from harness import runner
 from meissner.builds import toolchain
 
 RESET = "      restart     <= 1'b1;\n"

@@ -120,5 +120,5 @@ def test_refuses_forces(x, message):
 
 @pytest.mark.parametrize("min_load", [-1, 1 << 18])
 def test_refuses_a_least_load_that_no_register_holds(min_load):
-    with pytest.raises(ValueError, match=f"min-load = {min_load} must lie in 0 .. 262143"):
+    with pytest.raises(ValueError, match=f"min-load = {min_load} "):
         engines.process_cop(np.zeros((1, 2, 2), int), "float", min_load)

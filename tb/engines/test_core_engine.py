@@ -12,7 +12,7 @@ from meissner import cli, host
 from meissner.builds import config
 from meissner.engines.rtl_core import CoreOnPins
 from meissner.host.pty import Pty
-from meissner.scenes.shown import codes_of
+from meissner.scenes.core_stimulus import codes_of
 from meissner.twins import core
 from meissner.twins.link import bridge
 from meissner.twins.link import packet as p

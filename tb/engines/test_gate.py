@@ -12,7 +12,7 @@ from meissner import engines
 from meissner.builds import boards, config, netlist, toolchain, yowasp
 from meissner.engines import gate as gates
 from meissner.engines import rtl_core
-from meissner.scenes.shown import codes_of
+from meissner.scenes.core_stimulus import codes_of
 from meissner.twins import core
 from meissner.twins.link import packet
 from meissner.twins.link.decoder import Decoder

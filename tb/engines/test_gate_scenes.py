@@ -1,6 +1,6 @@
-"""Scenes on twins, RTL and netlist together (tools/gate_scenes.py): the complete published crosstalk in `make
-test`, every scene in `make test-long`. A value, shape or result that differs is counted by engine and name,
-and a deliberately broken cell of a netlist is detected.
+"""Scenes on twins, RTL and netlist together (tools/make/gate_scenes.py): the complete published crosstalk in
+`make test`, every scene in `make test-long`. A value, shape or result that differs is counted by engine and
+name, and a deliberately broken cell of a netlist is detected.
 """
 
 import re
@@ -13,10 +13,9 @@ import pytest
 import gate_scenes
 from meissner import scenes
 from meissner.engines import Watched, rtl, rtl_frontend, verilated
-from meissner.engines.features import FEATURES
+from meissner.engines.features import FEATURE_OF, FEATURES
 from meissner.engines.protocol import Engine
 from meissner.engines.rtl_slip import Pins
-from meissner.engines.stages import STAGES
 
 QUICK = "capacitive_crosstalk"
 SAMPLES = 76  # carrier samples per amplitude: 12 to settle, 16 periods of 4
@@ -135,11 +134,11 @@ def test_every_stage_of_an_engine_is_compared():
     """The functions that the engine protocol lists, those of the features, and watch_pins, which only
     Verilated engines have."""
     listed = {name for name in vars(Engine) if not name.startswith("_")}
-    assert set(STAGES) == listed | set(FEATURES) | {"watch_pins"}
-    before = {name: gate_scenes.function("gate", name) for name in STAGES}
+    assert set(FEATURE_OF) == listed | set(FEATURES) | {"watch_pins"}
+    before = {name: gate_scenes.function("gate", name) for name in FEATURE_OF}
     with gate_scenes.Compared().watching():
-        assert all(gate_scenes.function("gate", name) is not before[name] for name in STAGES)
-    assert all(gate_scenes.function("gate", name) is before[name] for name in STAGES)
+        assert all(gate_scenes.function("gate", name) is not before[name] for name in FEATURE_OF)
+    assert all(gate_scenes.function("gate", name) is before[name] for name in FEATURE_OF)
 
 
 def same(name):

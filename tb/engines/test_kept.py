@@ -27,7 +27,6 @@ def builds(monkeypatch, tmp_path):
     toolchain.environment()
     monkeypatch.setattr(toolchain, "BUILD", tmp_path)
     monkeypatch.setattr(verilated.subprocess, "run", run)
-    monkeypatch.setattr(verilated, "compiled", verilated.with_make)
     return asked
 
 

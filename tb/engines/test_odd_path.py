@@ -15,7 +15,7 @@ import platformdirs
 import pytest
 
 from meissner.builds import toolchain
-from verify import benches
+from nightly import benches
 
 
 @pytest.fixture

@@ -1,7 +1,7 @@
 """120 recordings of a gripper that closes and holds, without slip: fixed equals rtl in every field at every
-level, with and without the timers of the slip states. The counts of tools/recordings.py equal those of
-PyWavelets and plain NumPy, and docs/recordings.md shows what was measured. Without the data the tests are
-skipped with a message; that the tool reports missing data is tested everywhere."""
+level, with and without the timers of the slip states. The counts of tools/published/recordings.py equal
+those of PyWavelets and plain NumPy, and docs/recordings.md shows what was measured. Without the data the
+tests are skipped with a message; that the tool reports missing data is tested everywhere."""
 
 import importlib.util
 import os
@@ -16,7 +16,7 @@ from meissner.builds.toolchain import ROOT
 from meissner.engines import fixed, rtl
 from meissner.twins.slip.config import SlipConfig
 
-TOOL = ROOT / "tools/recordings.py"
+TOOL = ROOT / "tools/published/recordings.py"
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from meissner.engines import Watched, fixed
 from meissner.run import run
 from meissner.scenes.rubber import judge as judging
 from meissner.scenes.rubber import run as slip_run
+from meissner.scenes.timed import mismatches
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.slip import State
 
@@ -111,13 +112,13 @@ def test_crossing_is_the_reference_window_s():
 def test_every_difference_from_the_twin_counts():
     details = {"p2p": np.arange(6).reshape(2, 3), "over": np.zeros((2, 3), bool), "state": np.ones((2, 3))}
     twin = Watched(**details, end=np.array([False, True, False]), blanked=4)
-    assert slip_run._mismatches(twin, twin) == 0
+    assert mismatches(twin, twin) == 0
     for field in ("p2p", "over", "state"):
         changed = getattr(twin, field).copy()
         changed[1, 2] = not changed[1, 2]
-        assert slip_run._mismatches(dataclasses.replace(twin, **{field: changed}), twin) == 1, field
-    assert slip_run._mismatches(dataclasses.replace(twin, end=~twin.end), twin) == 3
-    assert slip_run._mismatches(dataclasses.replace(twin, blanked=5), twin) == 1
+        assert mismatches(dataclasses.replace(twin, **{field: changed}), twin) == 1, field
+    assert mismatches(dataclasses.replace(twin, end=~twin.end), twin) == 3
+    assert mismatches(dataclasses.replace(twin, blanked=5), twin) == 1
 
 
 def test_statistics_are_of_all_runs():
@@ -165,7 +166,7 @@ def watched_by(tmp_path, monkeypatch, engine, seed, spoil=lambda watched: watche
     return run(scene, engine, tmp_path, seed), seen[1:]  # the first call only warms up
 
 
-def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch, no_pictures):
+def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch, undrawn):
     scene = scenes.load("acrylic_slip")
     _, seen = watched_by(tmp_path, monkeypatch, "fixed", seed=5)
     assert len(seen) == 4  # per seed one without motion, which counts, and one with it
@@ -179,7 +180,7 @@ def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch, no_pictures
     assert np.array_equal(kept["state"], fixed.watch(truth.codes[None], scene.slip_config()).state[0])
 
 
-def test_a_core_that_differs_is_reported(tmp_path, monkeypatch, no_pictures):
+def test_a_core_that_differs_is_reported(tmp_path, monkeypatch, undrawn):
     """One wrong detail in each of two runs, with and without motion, and in the pins' comparison with the
     first run."""
 
@@ -191,7 +192,7 @@ def test_a_core_that_differs_is_reported(tmp_path, monkeypatch, no_pictures):
     assert summary["twin_mismatches"] == 5
 
 
-def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch, no_pictures):
+def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch, undrawn):
     """Paper, the worst condition: half the sliding time is lost without a lower threshold, none with it."""
     scene = scenes.load("slip_materials")
     scene = dataclasses.replace(scene, seeds=3, conditions=scene.conditions[3:])

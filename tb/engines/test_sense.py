@@ -2,15 +2,13 @@
 input."""
 
 import dataclasses
-import inspect
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import meissner
-from meissner import calibration, engines, sense
-from meissner.engines.protocol import Engine
+from meissner import engines, sense
 from meissner.physics.adc import Adc
 from meissner.physics.mesh import Mesh
 from meissner.twins.slip.slip import State
@@ -116,7 +114,7 @@ def test_cop_by_hand():
 
 
 def test_results_have_the_names_of_the_files():
-    """docs/decisions.md; the arrays are those of ``meissner process``, with the same kinds of numbers."""
+    """docs/decisions/host.md; the arrays are those of ``meissner process``, with the same kinds of numbers."""
     assert {"sum", "mx", "my", "x", "y", "valid"} <= set(sense.CopResult._fields)
     assert {"x", "y", "load", "valid"} <= set(sense.Cop4Result._fields)
     assert {"window_end", "slip", "fired_at"} <= set(sense.SlipResult._fields)
@@ -204,19 +202,6 @@ def test_refuses_in_one_sentence(call, says):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", engines.EVERY)
-def test_every_engine_has_what_the_protocol_says(name):
-    """The same parameters in the same order, followed by waves in the engines that have signals."""
-    module = engines.load(name)
-    asked = [item for item in vars(Engine).items() if inspect.isfunction(item[1]) and item[0][0] != "_"]
-    assert len(asked) == 7
-    for function, declared in asked:
-        own = list(inspect.signature(getattr(module, function)).parameters)
-        wanted = list(inspect.signature(declared).parameters)[1:]
-        signals = ["waves"] if name in engines.VERILATED and function.startswith("cop") else []
-        assert own == wanted + signals, function
-
-
 def test_limits_are_met_exactly():
     assert meissner.Slip().next([65535, -65536]).p2p.shape == (1, 1)
     assert meissner.Cop().next([[[65535, 0]]]).load.tolist() == [65535]
@@ -235,21 +220,3 @@ def test_refused_samples_leave_the_state_and_empty_ones_are_taken():
     assert slip.next([]).p2p.shape == slip.next([], []).state.shape == (1, 0)
     found = slip.next(SAMPLES[5:])
     assert (found.p2p.tolist(), found.window_end.tolist()) == ([P2P[2:]], [7, 11])
-
-
-def methods(kind):
-    own = {name: part for name, part in vars(kind).items() if name[0] != "_" or name == "__init__"}
-    return [part for part in own.values() if inspect.isfunction(part)]
-
-
-NAMED = (calibration.load, calibration.fit, engines.load)  # by the docstrings of the classes and of sense
-NAMED += (engines.process_slip, engines.process_cop, engines.process_cop4)
-PUBLIC = [*(method for name in meissner.__all__ for method in methods(getattr(meissner, name))), *NAMED]
-
-
-@pytest.mark.parametrize("function", PUBLIC, ids=lambda function: function.__qualname__)
-def test_every_signature_is_typed(function):
-    """The wheel carries py.typed."""
-    signature = inspect.signature(function)
-    kinds = [given.annotation for name, given in signature.parameters.items() if name != "self"]
-    assert inspect.Signature.empty not in [*kinds, signature.return_annotation]

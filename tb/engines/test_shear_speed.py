@@ -10,9 +10,9 @@ import pytest
 import bench
 from meissner import scenes
 from meissner.engines.features.shear_speed.engines import ENGINES
-from meissner.engines.stages import Stages
 from meissner.physics import rubber
 from meissner.scenes.shear import estimate
+from meissner.scenes.timed import TimedEngine
 from meissner.twins.slip.shear_speed import ShearSettings
 from meissner.twins.slip.shear_speeds import ShearConfig
 from reference.shear import FAST, RISING, ShearReference, within
@@ -56,7 +56,7 @@ def test_engines_beside_the_loop(engine):
     x = np.array([story(rng, 150) for _ in range(2)]).astype(int)[:, :-7]
     moving = np.zeros(x.shape[1], dtype=bool)
     moving[[4000, 4001, 7000]] = True
-    speed, flags = Stages(engine, ("shear_speed",)).shear_speed(x, CONFIG, moving)
+    speed, flags = ENGINES[engine](x, CONFIG, moving)
     seen, good = set(), 0
     for row, told, codes in zip(speed, flags, x):
         expected = by_loop(codes, moving)
@@ -76,17 +76,12 @@ def test_rtl_is_fixed_to_the_bit():
         assert all(np.array_equal(one, two) for one, two in zip(fixed, rtl))
 
 
-def test_a_core_without_it_has_none():
-    with pytest.raises(ValueError, match="the core is built without shear_speed: features lists slip"):
-        _ = Stages("fixed", ("slip",)).shear_speed
-
-
 def test_the_scene_finds_the_stage_s_speed(monkeypatch):
     """Without the deviation of repeated steps the speed is the stage's, within 4 % for the rubber's
     ripple."""
     monkeypatch.setattr(rubber, "SHEAR_SPREAD", 0.0)
     scene = scenes.load("shear_speed")
-    one = estimate.Estimator(scene, "fixed")
+    one = estimate.Estimator(scene, TimedEngine("fixed", scene.features))
     for place, case in enumerate(scene.cases):
         if case.speed_mm_s not in (0.5, 1.0, 4.0):
             continue

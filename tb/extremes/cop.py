@@ -5,8 +5,9 @@ from fractions import Fraction
 import hypothesis.strategies as st
 import numpy as np
 
-from meissner.twins.cop import cop, cop4, cop_accumulate, cop_array, cop_divide, cop_slip
+from meissner.twins.cop import cop, cop4, cop_accumulate, cop_divide, cop_slip
 from meissner.twins.cop.cop4_correct import CorrectionRegisters, cop4_correct
+from meissner.twins.sensor.array_forces import ArrayForces
 from reference import exact
 from verify.extremes import row
 
@@ -180,12 +181,12 @@ def registers(gain, shift_gain, offsets, raws):
 
 
 @row(
-    "cop_array",
+    "array_forces",
     {"x, y": "1/2 LSB"},
     ends="forces held at 0 and 65535 before the sums",
-    rtl=["tb/cop/test_cop_array.py::test_cop_array"],
+    rtl=["tb/sensor/test_array_forces.py::test_array_forces"],
 )
-def cop_array_(see):
+def array_forces_(see):
     """A pad with gains and samples at their ends, taxel by taxel, then its centre."""
     low, high = exact.signed(17)
     for one in see.covering(
@@ -196,7 +197,7 @@ def cop_array_(see):
         raw=["low", "high", "checked", "LSB"],
     ):
         (m, n), gain, offset, shift, raw = one.values()
-        twin = cop_array.CopArray(m, n, gain_shift=shift)
+        twin = ArrayForces(m, n, gain_shift=shift)
         for word in range(m * n):
             twin.calibrate.table.write(word, offset, gain)
         codes = [
@@ -208,7 +209,7 @@ def cop_array_(see):
             ]
             for i in range(m)
         ]
-        x, y, load, pressed = twin.process(np.array(codes))
+        x, y, load, pressed = twin.cops(twin.calibrate.process(np.array(codes)))
         forces = [
             [exact.held(exact.half_up(Fraction((code - offset) * gain, 2**shift)), 0, TOP) for code in line]
             for line in codes

@@ -1,6 +1,7 @@
 """Extremes of rtl/frontend: codes and gains at their ends, unlimited drift, clocks."""
 
 from fractions import Fraction
+from functools import partial
 from math import ceil
 
 import hypothesis.strategies as st
@@ -13,9 +14,7 @@ from meissner.twins.frontend import (
     adc_store,
     am_demod,
     burst,
-    calibrate_grid,
-    calibrate_taxels,
-    calibration_grid,
+    calibrate,
     calibration_preset,
     health,
     health_report,
@@ -549,18 +548,18 @@ def calibration_preset_(see):
 
 
 @row(
-    "calibration_grid",
+    "grid_table",
     {"": "0"},
     ends="an offset beyond its bits is refused",
-    rtl=["tb/frontend/test_calibration_grid.py::test_calibration_grid"],
+    rtl=["tb/frontend/test_grid_table.py::test_grid_table"],
 )
-def calibration_grid_(see):
+def grid_table_(see):
     for bits in (2, 13, 17, 18):
         low, high = exact.signed(bits - 1)
         for one in see.covering(
             row=[low, 0, high], column=[low, -1, high], gain=[0, 1, 65535], by=[0, 4096, 65535]
         ):
-            twin = calibration_grid.CalibrationGrid(2, 3, 1, bits)
+            twin = calibrate.GridTable(2, 3, 1, bits)
             twin.write_row(1, one["row"], one["gain"])
             twin.write(2, one["column"], one["by"])
             twin.swap()
@@ -574,12 +573,13 @@ def calibration_grid_(see):
             see.refused(twin.write, 0, 0, gain)
 
 
-def forces_(see, gain_bits, kind):
-    """The ends of either calibration; ``gain_bits``: of a taxel's gain; ``kind``: the twin."""
+def forces_(see, row_column):
+    """The ends of either calibration."""
+    gain_bits, kind = 32 if row_column else 16, partial(calibrate.Calibrate, row_column=row_column)
     top = 2**16 - 1 if gain_bits == 16 else (2**16 - 1) ** 2
 
     def check(raws, offset, gain, shift, bits):
-        got = calibrate_taxels.forces(
+        got = calibrate.forces(
             raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits
         ).tolist()
         for raw, force in zip(raws, got):
@@ -620,36 +620,17 @@ def forces_(see, gain_bits, kind):
 
 
 @row(
-    "calibrate_taxels",
+    "calibrate",
     {"": "1/2 LSB"},
     ends="held at 0 and 65535",
-    rtl=["tb/frontend/test_calibrate_taxels.py::test_calibrate_taxels"],
+    rtl=["tb/frontend/test_calibrate.py::test_calibrate"],
 )
-def calibrate_taxels_(see):
-    forces_(see, 16, calibrate_taxels.CalibrateTaxels)
+def calibrate_(see):
+    for row_column, gain_bits in ((0, 16), (1, 32)):
+        forces_(see, bool(row_column))
 
-    def room(SampleBits, GainShift, Offset, **_):
-        return SampleBits + Offset <= 18 and SampleBits + Offset + 17 - GainShift >= 16
+        def room(SampleBits, GainShift, Offset, **_):
+            return SampleBits + Offset <= 18 and SampleBits + Offset + gain_bits + 1 - GainShift >= 16
 
-    see.elaborates(
-        "calibrate_taxels",
-        see.covering(room, SampleBits=[13, 17, 18], GainShift=[1, 16], Lanes=[1, 8], Offset=[0, 1]),
-    )
-
-
-@row(
-    "calibrate_grid",
-    {"": "1/2 LSB"},
-    ends="held at 0 and 65535",
-    rtl=["tb/frontend/test_calibrate_grid.py::test_calibrate_grid"],
-)
-def calibrate_grid_(see):
-    forces_(see, 32, calibrate_grid.CalibrateGrid)
-
-    def room(SampleBits, GainShift, Offset, **_):
-        return SampleBits + Offset <= 18 and SampleBits + Offset + 33 - GainShift >= 16
-
-    see.elaborates(
-        "calibrate_grid",
-        see.covering(room, SampleBits=[13, 17, 18], GainShift=[1, 32], Lanes=[1, 8], Offset=[0, 1]),
-    )
+        sizes = {"SampleBits": [13, 17, 18], "GainShift": [1, gain_bits], "Lanes": [1, 8], "Offset": [0, 1]}
+        see.elaborates("calibrate", see.covering(room, RowColumn=[row_column], **sizes))

@@ -12,7 +12,8 @@ import pytest
 
 import extremes as tool
 from meissner.builds import toolchain
-from verify import benches, elaborations, extremes
+from nightly import benches
+from verify import elaborations, extremes
 from verify.pairs import covering, wanted
 
 NAMES = [*extremes.rows()]

@@ -249,8 +249,8 @@ module formal_grip #(
         if (dut.fresh[f]) assert (over[f]);
       end
       assert (dut.counted == open && dut.seen == heard && dut.over == over && dut.sick == unwell);
-      assert (dut.go_2 == go_2 && dut.go_3 == go_3 && dut.armed == armed);
-      if (armed) assert (dut.armed_mode == armed_mode);
+      assert (dut.go_2 == go_2 && dut.go_3 == go_3);
+      assert (dut.given == (!armed ? dut.None : armed_mode ? dut.Force : dut.Position));
       if (armed && ordered) assert (was >= low && was <= high);
       assert (dut.done == had && dut.last_clock >= PeriodBits'(15));
       if (dut.ends) assert (dut.clocks == '0);

@@ -5,7 +5,7 @@
 // value written to it, byte by byte, immediately or after its group's commit; a read gives all fields of its word in
 // their places, with the core's counters as of the clock before the answer; a pulse follows its write by a clock, once.
 // Where the build has fewer bits than the map, the core and a read get the nearest number that fits into them.
-// registers_map.svh, made by tools/registers.py, has a line for each field.
+// registers_map.svh, made by tools/make/registers.py, has a line for each field.
 
 module formal_registers #(
   parameter bit Adc = 1'b1,

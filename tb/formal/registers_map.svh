@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`.
+// Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`.
 
 localparam int unsigned Fields = 165;
 logic [Fields-1:0]    there, writable, written;

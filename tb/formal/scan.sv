@@ -25,6 +25,7 @@ module formal_scan #(
   input logic                        cfg_enable_i,
   input logic [SettleBits-1:0]       cfg_settle_i,
   input logic [PeriodBits-1:0]       cfg_period_i,
+  input logic                        cfg_interleave_i,
   input logic [47:0]                 now_i,
   input logic [Lanes-1:0]            in_valid_i,
   input logic [Lanes*SampleBits-1:0] in_data_i,
@@ -36,13 +37,21 @@ module formal_scan #(
   logic [GroupBits-1:0] group_o;
   logic                 trigger_o;
   logic [Lanes-1:0]     in_ready_o;
-  logic [31:0]          lost_o;
+  msn_registers_pkg::scan_cfg_t    cfg;
+  msn_registers_pkg::scan_status_t status;
+  always_comb begin
+    cfg        = '0;
+    cfg.enable = cfg_enable_i;
+    cfg.settle = 16'(cfg_settle_i);
+    cfg.period = 32'(cfg_period_i);
+    cfg.interleave = cfg_interleave_i;
+  end
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .SampleBits(SampleBits), .Hold(Hold),
     .Cycle(Cycle), .Depth(Depth), .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) dut (
-    .clk_i, .rst_i, .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .now_i, .row_o, .group_o, .trigger_o,
-    .in_valid_i, .in_ready_o, .in_data_i, .in_user_i, .in_lost_i, .lost_o
+    .clk_i, .rst_i, .cfg_i(cfg), .status_o(status), .now_i, .row_o, .group_o, .trigger_o,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_user_i, .in_lost_i
   );
 
   // The lines.
@@ -138,7 +147,7 @@ module formal_scan #(
 
   always_comb begin
     if (started) begin
-      assert (lost_o == losses);
+      assert (status.lost == losses);
       if (!rst_i) assert (in_ready_o == {Lanes{beat}});
       assert (dut.u_buffer.in_valid_i == wanted);
       if (wanted) assert (dut.u_buffer.in_first_i == opens && dut.u_buffer.in_data_i == wanted_data);

@@ -10,6 +10,7 @@ import numpy as np
 from cocotb.triggers import FallingEdge
 
 import bench
+import members
 from reference.health import HealthReference
 from reference.health_cases import REST, broken, cases
 
@@ -17,8 +18,8 @@ KINDS = {"dead": 1, "railed": 2, "blinking": 4}  # docs/link.md
 
 
 async def begin(dut):
-    idle = {f"cfg_{name}_i": 0 for name in (*REST, "clear", "report")}
-    await bench.start(dut, **idle, event_ready_i=1)
+    settings = members.Settings(dut, "health_cfg")
+    await bench.start(dut, event_ready_i=1)
     events = []
 
     async def listen():
@@ -27,17 +28,11 @@ async def begin(dut):
             if dut.event_valid_o.value == 1:
                 events.append([bench.read(getattr(dut, f"event_{name}_o")) for name in ("id", *KINDS)])
 
-    return events, cocotb.start_soon(listen())
+    return settings, events, cocotb.start_soon(listen())
 
 
-def apply(dut, settings):
-    for name, value in settings.items():
-        port = getattr(dut, f"cfg_{name}_i")
-        port.value = int(value) & ((1 << len(port)) - 1)
-
-
-async def begin_again(dut, settings, events):
-    apply(dut, settings)
+async def begin_again(dut, settings, given, events):
+    settings.put(**members.limits(given))
     await bench.reset(dut)
     events.clear()
 
@@ -71,35 +66,27 @@ def faults_of(dut, events, columns):
     return told
 
 
-async def clear(dut):
-    dut.cfg_clear_i.value = 1
-    await bench.clocks(dut, 1)
-    dut.cfg_clear_i.value = 0
-
-
 async def counts_are(dut, faults):
-    for name, kind in KINDS.items():
-        assert bench.read(getattr(dut, f"{name}_o")) == sum(value & kind != 0 for value in faults.values()), (
-            name
-        )
+    expected = {name: sum(value & kind != 0 for value in faults.values()) for name, kind in KINDS.items()}
+    assert members.of("health_status", bench.read(dut.status_o)) == expected
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def finds_what_the_hand_found(dut):
     shape = dut.Rows.value.to_unsigned(), dut.Columns.value.to_unsigned()
     lanes = dut.Lanes.value.to_unsigned()
-    events, listener = await begin(dut)
+    settings, events, listener = await begin(dut)
     mine = [case for case in cases() if case.shape == shape]
     assert len(mine) > 9
     for case in mine:
-        await begin_again(dut, case.settings, events)
+        await begin_again(dut, settings, case.settings, events)
         faults = {}
         for number in range(case.frames()):
             if case.clear and number == case.clear:
-                await clear(dut)
+                await settings.pulse(dut.clk_i, clear=1)
                 faults = {}
             if case.later and number == case.later[0]:
-                apply(dut, case.later[1])
+                settings.put(**members.limits(case.later[1]))
             whole = case.broken.get(number)
             masks = await frame(dut, case.frame(number), case.frame(number, case.over), whole)
             if whole is None:
@@ -126,7 +113,7 @@ async def finds_what_the_loop_finds(dut):
     """Random walks around band, jump and rails; frames that break off; a clear now and then."""
     rows, columns = dut.Rows.value.to_unsigned(), dut.Columns.value.to_unsigned()
     lanes = dut.Lanes.value.to_unsigned()
-    events, listener = await begin(dut)
+    settings, events, listener = await begin(dut)
     some = (
         {"still": 9, "edges": True},
         {"rail": 2, "over_range_enable": True},
@@ -135,9 +122,9 @@ async def finds_what_the_loop_finds(dut):
     )
     for seed, kind in enumerate(some):
         rng, draw = np.random.default_rng(bench.SEED + seed), random.Random(bench.SEED + seed)
-        settings = REST | {"low": -20, "high": 21, "edges": seed > 2} | kind
-        await begin_again(dut, settings, events)
-        loop, codes = HealthReference(rows, columns, **settings), np.zeros((rows, columns), int)
+        given = REST | {"low": -20, "high": 21, "edges": seed > 2} | kind
+        await begin_again(dut, settings, given, events)
+        loop, codes = HealthReference(rows, columns, **given), np.zeros((rows, columns), int)
         places = [(row, column) for row in range(rows) for column in range(columns)]
         row_beats, counts = -(-columns // lanes), {}
         for number in range(100):
@@ -146,7 +133,7 @@ async def finds_what_the_loop_finds(dut):
             length = rows * row_beats
             whole = draw.randrange(length) if draw.random() < 0.1 else None
             if draw.random() < 0.02:
-                await clear(dut)
+                await settings.pulse(dut.clk_i, clear=1)
                 loop.clear()
                 counts = {}
             came = None
@@ -156,10 +143,10 @@ async def finds_what_the_loop_finds(dut):
             masks = await frame(dut, codes.tolist(), over.tolist(), whole)
             new = loop.frame(codes.tolist(), over.tolist(), came)
             if whole is None:
-                assert {(r, c) for r, c in places if masks[r][c]} == masked, f"frame {number}, {settings}"
+                assert {(r, c) for r, c in places if masks[r][c]} == masked, f"frame {number}, {given}"
             counts = {place: counts.get(place, 0) | new.get(place, 0) for place in places}
             told = faults_of(dut, events, columns)
-            assert set(told) == {r * row_beats + c // lanes for r, c in new}, f"frame {number}, {settings}"
+            assert set(told) == {r * row_beats + c // lanes for r, c in new}, f"frame {number}, {given}"
             for beat in told.values():
                 assert beat.items() <= {place: loop.faults(*place) for place in places}.items()
             events.clear()

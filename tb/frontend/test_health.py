@@ -11,6 +11,7 @@ import pytest
 from cocotb.triggers import FallingEdge, Timer
 
 import bench
+import members
 from meissner.twins.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
 
 FIELDS = ["data", "mask", "id", "fits", "row_last", "last"]
@@ -26,18 +27,18 @@ def taxels(dut):
     return dut.Rows.value.to_unsigned() * dut.Columns.value.to_unsigned()
 
 
-def registers_of(dut, limits):
-    """The values of the limits' input ports."""
-    values = {f"cfg_{name}_i": int(value) for name, value in vars(limits).items()}
-    for name in ("low", "high"):
-        values[f"cfg_{name}_i"] &= (1 << dut.SampleBits.value.to_unsigned()) - 1
-    return values
+def settings_of(dut, limits):
+    return members.Settings(dut, "health_cfg", **members.limits(limits))
+
+
+def counts(dut):
+    return members.of("health_status", bench.read(dut.status_o))
 
 
 async def begin(dut, limits):
     """Reset with these limits; collect the events that are taken."""
-    idle = {"cfg_clear_i": 0, "cfg_report_i": 0, "event_ready_i": 1}
-    await bench.start(dut, **registers_of(dut, limits), **idle)
+    settings_of(dut, limits)
+    await bench.start(dut, event_ready_i=1)
     twin = twin_of(dut, limits)
     events = []
 
@@ -54,8 +55,7 @@ async def begin(dut, limits):
 
 async def begin_again(dut, limits, events):
     """Reset with other limits and discard earlier events; returns the twin."""
-    for name, value in registers_of(dut, limits).items():
-        getattr(dut, name).value = value
+    settings_of(dut, limits)
     await bench.reset(dut)
     events.clear()
     return twin_of(dut, limits)
@@ -97,8 +97,7 @@ def frames_of(rng, twin, count):
 
 async def counts_are(dut, twin):
     await bench.clocks(dut, 12)
-    for name in ("dead", "railed", "blinking"):
-        assert bench.read(getattr(dut, f"{name}_o")) == getattr(twin, name), name
+    assert counts(dut) == {name: getattr(twin, name) for name in ("dead", "railed", "blinking")}
 
 
 async def agrees(dut, twin, beats, events):
@@ -109,11 +108,9 @@ async def agrees(dut, twin, beats, events):
     assert events == news
 
 
-async def clear(dut):
+async def clear(dut, twin):
     """Request for one clock that all faults be cleared."""
-    dut.cfg_clear_i.value = 1
-    await bench.clocks(dut, 1)
-    dut.cfg_clear_i.value = 0
+    await settings_of(dut, twin.limits).pulse(dut.clk_i, clear=1)
 
 
 async def passed(dut, frames):
@@ -149,9 +146,7 @@ async def matches_model(dut, stall_rate, damage):
         most = np.maximum(most, [twin.dead, twin.railed, twin.blinking])
         command = draw.choice(["none", "none", "report", "clear"])
         if command != "none":
-            getattr(dut, f"cfg_{command}_i").value = 1
-            await bench.RisingEdge(dut.clk_i)
-            getattr(dut, f"cfg_{command}_i").value = 0
+            await settings_of(dut, twin.limits).pulse(dut.clk_i, **{command: 1})
             getattr(twin, command)()
     if min(twin.rows, twin.columns) > 2 and length < 100:  # where frames_of provides each fault
         assert most.all(), f"never found: {most}"
@@ -202,12 +197,12 @@ async def over_range_on_every_sample(dut):
     assert got == expected_of(twin, beats)[0]
     first = next(n for n, beat in enumerate(got) if beat["mask"])
     assert first == 17 * length
-    assert bench.read(dut.railed_o) == twin.rows * twin.columns
+    assert counts(dut)["railed"] == twin.rows * twin.columns
     assert len(events) == length
-    await clear(dut)
+    await clear(dut, twin)
     got = await bench.stream(dut, beats[:length], FIELDS)
     assert not any(beat["mask"] for beat in got)
-    assert bench.read(dut.railed_o) == 0
+    assert counts(dut)["railed"] == 0
     listener.cancel()
 
 
@@ -220,9 +215,9 @@ async def limits_of_every_size(dut):
     low, high = bench.width(twin.sample_bits)
     shape = (80, twin.rows, twin.columns)
     for ones in (0x55555, 0xAAAAA, 0xFFFFF, 0):
-        code = ones & (1 << twin.sample_bits) - 1
-        ends = {"low": bench.as_signed(code ^ (1 << twin.sample_bits) - 1, twin.sample_bits)}
-        ends["high"] = bench.as_signed(code, twin.sample_bits)
+        bits = min(17, twin.sample_bits)  # of a register
+        code = ones & (1 << bits) - 1
+        ends = {"low": bench.as_signed(code ^ (1 << bits) - 1, bits), "high": bench.as_signed(code, bits)}
         counts = dict.fromkeys(("still", "rail", "blink"), ones & 255)
         limits = Limits(code, code, **ends, over_range_enable=bool(ones & 1), edges=bool(ones & 2), **counts)
         twin = await begin_again(dut, limits, events)
@@ -271,16 +266,17 @@ async def a_rail_counts_to_its_end_and_stays(dut):
     bench.offer(dut, {"data": 40, "user": 1, "id": 0, **bench.marks(0, 1, 1)})
     dut.in_valid_i.value = dut.out_ready_i.value = 1
     await passed(dut, frames)
-    assert bench.read(dut.railed_o) == twin.railed == 0
-    twin.limits.rail = dut.cfg_rail_i.value = 255
+    assert counts(dut)["railed"] == twin.railed == 0
+    twin.limits.rail = 255
+    settings_of(dut, twin.limits)
     twin.next(over[:1] * 40, over[:1])
     await passed(dut, 2)
-    assert bench.read(dut.railed_o) == twin.railed == 1
-    await clear(dut)
+    assert counts(dut)["railed"] == twin.railed == 1
+    await clear(dut, twin)
     twin.clear()
     twin.next(over[:40] * 40, over[:40])
     await passed(dut, 40)
-    assert bench.read(dut.railed_o) == twin.railed == 0
+    assert counts(dut)["railed"] == twin.railed == 0
 
 
 @bench.applies(lambda dut: min(dut.Rows.value.to_unsigned(), dut.Columns.value.to_unsigned()) >= 4)
@@ -299,7 +295,7 @@ async def every_taxel_has_every_fault(dut):
     assert await bench.stream(dut, beats, FIELDS) == expected_of(twin, beats)[0]
     await counts_are(dut, twin)
     assert twin.dead == twin.railed == twin.blinking == i.size
-    await clear(dut)
+    await clear(dut, twin)
     twin.clear()
     await counts_are(dut, twin)
     assert twin.dead == twin.railed == twin.blinking == 0
@@ -313,9 +309,10 @@ async def forgets_what_a_reset_interrupts(dut):
     length = twin.rows * twin.row_beats
     beats = frames_of(rng, twin, 40)
     for cut in (1, 30 * length + length // 2, 39 * length):
-        dut.cfg_clear_i.value = dut.cfg_report_i.value = cut % 2
+        settings = settings_of(dut, twin.limits)
+        settings.put(clear=cut % 2, report=cut % 2)
         await bench.stream(dut, beats[:cut], FIELDS, drain=0)
-        dut.cfg_clear_i.value = dut.cfg_report_i.value = 0
+        settings.put(clear=0, report=0)
         await bench.reset(dut)
         events.clear()
         twin.reset()

@@ -5,19 +5,24 @@ import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
+import members
 
-TAXELS, RAILED = 6, {2: 7, 5: -9}  # at cfg_low, and below it
+TAXELS, RAILED = 6, {2: 7, 5: -9}  # at low, and below it
 LIMITS = {
     "band": 3,
     "jump": 50,
     "low": 7,
     "high": 900,
-    "over_range_enable": 0,
-    "edges": 0,
+    "use_user": 0,
+    "use_edges": 0,
     "still": 0,
     "rail": 1,
     "blink": 0,
 }
+
+
+def railed_of(dut):
+    return members.of("health_status", bench.read(dut.status_o))["railed"]
 
 
 async def run(dut, frames, pulses=(), ready_from=0):
@@ -26,7 +31,7 @@ async def run(dut, frames, pulses=(), ready_from=0):
 
     ``pulses``: (input, clock); events are taken from the clock ``ready_from`` on."""
     await bench.reset(dut)
-    taken, events, counts = [], [], []
+    taken, events, counts, settings = [], [], [], members.Settings(dut, "health_cfg", **LIMITS)
     beats = [(frame, place) for frame in range(frames) for place in range(TAXELS)]
     for clock in range(10**6):
         beat = beats[len(taken)] if len(taken) < len(beats) else None
@@ -34,8 +39,7 @@ async def run(dut, frames, pulses=(), ready_from=0):
         place = beat[1] if beat else 0
         value = RAILED.get(place, 100 + place) & 0xFFF
         bench.offer(dut, {"data": value, "id": place, **bench.marks(place, 2, 3)})
-        for name in ("clear", "report"):
-            getattr(dut, f"cfg_{name}_i").value = int((name, clock) in pulses)
+        settings.put(**{name: (name, clock) in pulses for name in ("clear", "report")})
         dut.event_ready_i.value = int(clock >= ready_from)
         await ReadOnly()
         if clock >= ready_from and dut.event_valid_o.value == 1:
@@ -43,12 +47,12 @@ async def run(dut, frames, pulses=(), ready_from=0):
             events.append((clock, *(bench.read(getattr(dut, f"event_{kind}_o")) for kind in kinds)))
         if beat is not None and dut.in_ready_o.value == 1:
             if place == 0:
-                counts.append(bench.read(dut.railed_o))
+                counts.append(railed_of(dut))
             taken.append(clock)
         await RisingEdge(dut.clk_i)
         if beat is None and clock > taken[-1] + 20:
             break
-    return taken, events, [*counts[1:], bench.read(dut.railed_o)]
+    return taken, events, [*counts[1:], railed_of(dut)]
 
 
 def in_frames(events, taken):
@@ -64,9 +68,7 @@ async def cleared_and_reported_at_every_clock(dut):
     """Frames 16 and 32 check the rails. A clear before frame 16's first beat makes that frame the first of
     all; in that clock or later, the faults found are reported, then cleared, and found again in frame 32.
     After a report request, the next frame reports all existing faults once more."""
-    settings = {f"cfg_{name}_i": value for name, value in LIMITS.items()}
-    idle = {"in_user_i": 0, "out_ready_i": 1, "cfg_clear_i": 0, "cfg_report_i": 0}
-    await bench.start(dut, **settings, **idle)
+    await bench.start(dut, cfg_i=members.word("health_cfg", LIMITS), in_user_i=0, out_ready_i=1)
     frames, both = 35, lambda frame: [(frame, 2), (frame, 5)]
     usual, events, counts = await run(dut, frames)
     assert in_frames(events, usual) == both(16)
@@ -91,9 +93,7 @@ async def cleared_and_reported_at_every_clock(dut):
 async def events_that_nobody_takes_meet_the_next_ones(dut):
     """Events stall until any clock of the following frames: each is reported once, none is lost, and the
     counts are not delayed."""
-    settings = {f"cfg_{name}_i": value for name, value in LIMITS.items()}
-    idle = {"in_user_i": 0, "out_ready_i": 1, "cfg_clear_i": 0, "cfg_report_i": 0}
-    await bench.start(dut, **settings, **idle)
+    await bench.start(dut, cfg_i=members.word("health_cfg", LIMITS), in_user_i=0, out_ready_i=1)
     usual, _, _ = await run(dut, 20)
     for ready_from in range(usual[16 * TAXELS], usual[18 * TAXELS] + 2):
         _, events, counts = await run(dut, 21, ready_from=ready_from)

@@ -10,6 +10,7 @@ import pytest
 from cocotb.clock import Clock
 
 import bench
+import members
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.health_taxel import State, judge
 
@@ -141,9 +142,7 @@ async def matches_model(dut):
     Clock(dut.clk_i, 10, unit="ns").start()
     for _ in range(60):
         limits = limits_of(draw, bits)
-        for name in ("band", "jump", "low", "high", "over_range_enable", *COUNTERS):
-            port = getattr(dut, f"cfg_{name}_i")
-            port.value = int(getattr(limits, name)) & ((1 << len(port)) - 1)
+        members.Settings(dut, "health_cfg", **members.limits(limits))
         await bench.clocks(dut, 3)
         slots = [None] * 5
         for clock in range(160):

@@ -16,8 +16,9 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
+import members
 from frontend.test_scan_buffer import stalls
-from frontend.test_scan_plan import NAMES, apply, random_settings
+from frontend.test_scan_plan import NAMES, random_settings
 from meissner.twins.frontend.scan import LATENCY, PIN_CLOCKS, Scan
 from meissner.twins.frontend.scan_plan import START, Settings
 
@@ -27,6 +28,15 @@ COUNTERS = ("dropped", "overrun", "held", "lost")
 def twin_of(dut):
     names = NAMES | {"sample_bits": "SampleBits", "depth": "Depth"}
     return Scan(**{name: getattr(dut, port).value.to_unsigned() for name, port in names.items()})
+
+
+def apply(dut, settings):
+    """Put these at the block's input, with the scan off."""
+    return members.Settings(dut, "scan_cfg", **vars(settings))
+
+
+def counts(dut):
+    return members.of("scan_status", bench.read(dut.status_o))
 
 
 class Matrix:
@@ -145,23 +155,23 @@ class Matrix:
             self.beats.append((self.clock, *beat))
 
     async def start(self):
-        apply(self.dut, self.settings)
+        settings = apply(self.dut, self.settings)
         self.dut.now_i.value = self.origin
         inputs = {f"in_{name}_i": 0 for name in ("valid", "data", "user", "lost")}
-        await bench.start(self.dut, cfg_enable_i=0, **inputs)
+        await bench.start(self.dut, **inputs)
         await self.run(5)
-        self.dut.cfg_enable_i.value = 1
+        settings.put(enable=1)
         self.still = self.clock + 1
         self.begin = self.clock + 1
 
     async def stop(self):
-        self.dut.cfg_enable_i.value = 0
+        apply(self.dut, self.settings)
         self.stall = lambda: False
         slot = self.twin.slot(self.settings.settle)
         await self.run(2 * self.twin.frame_clocks(self.settings.settle) + 3 * slot + 100)
         await self.run(self.twin.rows * self.twin.beats + 20)
         await ReadOnly()
-        self.counts = {name: bench.read(getattr(self.dut, f"{name}_o")) for name in COUNTERS}
+        self.counts = counts(self.dut)
         await RisingEdge(self.dut.clk_i)
 
     def beat(self, codes, channel):
@@ -227,7 +237,7 @@ async def scan(dut, settings, clocks, **attributes):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, *(f"{name}_o" for name in COUNTERS), wraps=False)
+    await bench.turn_over(dut, *COUNTERS, wraps=False)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -355,7 +365,7 @@ async def a_tick_that_comes_too_early_is_counted(dut):
     clocks = START + 4 * twin.slot(1)
     await matrix.run(clocks)
     await ReadOnly()
-    assert bench.read(dut.overrun_o) == twin.schedule(settings, clocks - 1)[1] > 0  # counted a clock later
+    assert counts(dut)["overrun"] == twin.schedule(settings, clocks - 1)[1] > 0  # counted a clock later
     await RisingEdge(dut.clk_i)
 
 

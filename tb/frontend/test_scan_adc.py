@@ -13,14 +13,13 @@ from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, ValueChange
 
 import bench
-from frontend.test_scan_plan import apply
+from frontend.test_scan import apply, counts
 from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, PARTS
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_plan import Settings
 from parts import ad7606, max1112x, mcp3208
 from parts.timing import Line, now
 
-COUNTERS = ("dropped", "overrun", "held", "lost")
 CONVERSION_NS = (4017.3, 3512.0)  # of an AD7606 on lane 0, and on the other lanes
 
 
@@ -83,10 +82,10 @@ class Board:
 
     async def start(self):
         dut, twin = self.dut, self.twin
-        for name in ["rst", "cfg_enable", "out_ready", "adc_miso", "adc_busy", "now", "clk"]:
+        for name in ["rst", "out_ready", "adc_miso", "adc_busy", "now", "clk"]:
             getattr(dut, f"{name}_i").value = int(name == "rst")
         driven = {}
-        apply(dut, self.settings)
+        settings = apply(dut, self.settings)
         Clock(dut.clk_i, 1_000_000_000 // twin.clk_khz, unit="ps").start()
         await bench.clocks(dut, 3)
         self.parts = []
@@ -108,7 +107,7 @@ class Board:
         for task in (self.watch_lines(), self.watch_group(), self.count()):
             cocotb.start_soon(task)
         dut.out_ready_i.value = 1
-        dut.cfg_enable_i.value = 1
+        settings.put(enable=1)
 
     def lenient(self, code):
         """``code``, but 0 for samples that are not used: in a frame's first word and in words of a setup."""
@@ -181,7 +180,7 @@ class Board:
 
     def counted(self):
         """Names of the counters that are not 0."""
-        return {name for name in COUNTERS if bench.read(getattr(self.dut, f"{name}_o"))}
+        return {name for name, count in counts(self.dut).items() if count}
 
 
 async def board(dut, settings, clocks):
@@ -190,12 +189,6 @@ async def board(dut, settings, clocks):
     await made.run(made.twin.adc.start_clocks() + clocks)
     await ReadOnly()
     return made
-
-
-@bench.starts_known
-@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
-async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, *(f"{name}_o" for name in COUNTERS), wraps=False)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -258,12 +251,11 @@ async def long_times_are_long(dut):
     made = await board(dut, cases[0][0], 0)
     for settings, watched in cases:
         await RisingEdge(dut.clk_i)
-        dut.cfg_enable_i.value = 0
+        apply(dut, made.settings)
         await bench.clocks(dut, 2 * slot)
         await bench.reset(dut)  # a conversion in its settle time would go on
         made.settings = settings
-        apply(dut, settings)
-        dut.cfg_enable_i.value = 1
+        apply(dut, settings).put(enable=1)
         made.converts.clear()
         await made.run(twin.adc.start_clocks() + watched)
         await ReadOnly()
@@ -315,7 +307,7 @@ async def a_part_that_fails_spoils_no_frame(dut):
         part.spoil = None
     await made.run(3 * frame + 2 * slot)
     await ReadOnly()
-    lost = bench.read(dut.lost_o)
+    lost = counts(dut)["lost"]
     assert 2 <= lost <= 8
     beats = twin.rows * twin.scan.beats
     ids = [beat[2] for beat in made.beats]

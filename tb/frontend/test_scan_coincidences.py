@@ -8,17 +8,22 @@ outside the array.
 """
 
 import itertools
+from functools import partial
 
 import cocotb
 import pytest
 
 import bench
+import members
+from frontend.test_scan import counts
 
 SIZE = {"Rows": 2, "Columns": 5, "Lanes": 2, "Channels": 3, "Hold": 4, "Cycle": 20, "SampleBits": 13}
 SIZE |= {"SettleBits": 6, "PeriodBits": 16}
 TRIGGER, SLOT, LATENCY, BEATS, ROWS = 7, 20, 5, 3, 2
 FIELDS = ("id", "last", "user", "frame", "time")
-IDLE = ("enable", "period", "interleave")
+
+
+SETTINGS = partial(members.Settings, kind="scan_cfg", settle=2)
 
 
 def code(conversion, channel, lane):
@@ -43,7 +48,7 @@ class Scene:
 
     async def tick(self):
         dut, waiting = self.dut, []
-        dut.cfg_enable_i.value = int(self.enabled is None or self.clock < self.enabled)
+        SETTINGS(dut, enable=self.enabled is None or self.clock < self.enabled)
         dut.now_i.value, dut.out_ready_i.value = now(self.clock), self.ready(self.clock)
         valid, data, lost = 0, [0, 0], 0
         for number, at in enumerate(self.triggers):
@@ -92,13 +97,13 @@ def frames(*dropped):
 
 
 async def begin(dut):
-    idle = {f"cfg_{name}_i": 0 for name in IDLE}
-    idle |= {"cfg_settle_i": 2, "in_user_i": 0}
-    await bench.start(dut, now_i=0, in_data_i=0, in_lost_i=0, **idle)
+    SETTINGS(dut)
+    await bench.start(dut, now_i=0, in_data_i=0, in_lost_i=0, in_user_i=0)
 
 
 async def again(dut, **given):
-    dut.cfg_enable_i.value = dut.in_valid_i.value = dut.in_lost_i.value = 0
+    SETTINGS(dut)
+    dut.in_valid_i.value = dut.in_lost_i.value = 0
     await bench.reset(dut)
     await bench.clocks(dut, 5)
     return Scene(dut, **given)
@@ -139,7 +144,7 @@ async def a_consumer_wakes_around_the_next_frames_first_beat(dut):
         kept = last < first
         due = frames(*([] if kept else [1]))
         assert scene.out[5][0] == last and got == due[: len(got)] and len(got) >= 18, (last - first, one)
-        assert bench.read(dut.dropped_o) == int(not kept), (last - first, one)
+        assert counts(dut)["dropped"] == int(not kept), (last - first, one)
         met.add(kept)
     assert met == {True, False}
 
@@ -159,17 +164,17 @@ async def a_lost_strobe_around_the_other_samples(dut):
             got = await scene.run(170)
             due = [*frame(0, 0), *frame(1, 2, {3: lanes}), *frame(2, 4)]
             assert got[: len(due)] == due, (lanes, at)
-            assert bench.read(dut.lost_o) == 1 and bench.read(dut.dropped_o) == 0
+            assert counts(dut)["lost"] == 1 and counts(dut)["dropped"] == 0
     for one, other in ((3, 9), (9, 3), (8, 9)):  # both lanes of one conversion, one after the other
         scene = await again(dut, lost={(3, 0): one, (3, 1): other})
         got = await scene.run(170)
         due = [*frame(0, 0), *frame(1, 2, {3: (0, 1)}), *frame(2, 4)]
-        assert got[: len(due)] == due and bench.read(dut.lost_o) == 1
+        assert got[: len(due)] == due and counts(dut)["lost"] == 1
     for one, other in ((1, 2), (2, 1), (4, 9)):  # one lane each, in two consecutive conversions
         scene = await again(dut, delay=latest + 1, lost={(1, 0): one, (2, 1): other})
         got = await scene.run(170)
         due = [*frame(0, 0, {1: (0,)}), *frame(1, 2, {2: (1,)}), *frame(2, 4)]
-        assert got[: len(due)] == due and bench.read(dut.lost_o) == 2
+        assert got[: len(due)] == due and counts(dut)["lost"] == 2
 
 
 @bench.applies(wide)
@@ -197,7 +202,7 @@ async def a_reset_in_every_clock_of_a_frame(dut):
         scene = await again(dut)
         got = await scene.run(100)
         assert got == frames()[: len(got)] and len(got) >= 11, cut
-        assert bench.read(dut.lost_o) == bench.read(dut.dropped_o) == 0
+        assert counts(dut)["lost"] == counts(dut)["dropped"] == 0
 
 
 RING = {"Rows": 3, "Columns": 8, "Lanes": 1, "Channels": 2, "Cycle": 20, "SampleBits": 13, "Depth": 8}
@@ -205,14 +210,16 @@ RING |= {"SettleBits": 6, "PeriodBits": 16}
 
 
 async def ring(dut, ready, clocks):
-    """Clocks of trigger_o, the number of beats that left, and held_o; ``ready``(clock, beats so far)."""
-    dut.cfg_enable_i.value = dut.in_valid_i.value = 0
+    """Clocks of trigger_o, the number of beats that left, and the count held; ``ready``(clock, beats so far)."""
+    SETTINGS(dut)
+    dut.in_valid_i.value = 0
     await bench.reset(dut)
     await bench.clocks(dut, 5)
     triggers, out = [], []
     for clock in range(clocks):
         awake = ready(clock, len(out))
-        dut.cfg_enable_i.value, dut.out_ready_i.value = 1, awake
+        SETTINGS(dut, enable=1)
+        dut.out_ready_i.value = awake
         channel = clock - triggers[-1] - 2 if triggers else -1
         dut.in_valid_i.value = int(0 <= channel < 2)
         dut.in_data_i.value = 10 * len(triggers) + max(channel, 0)
@@ -223,7 +230,7 @@ async def ring(dut, ready, clocks):
             triggers.append(clock)
         await bench.RisingEdge(dut.clk_i)
     await bench.ReadOnly()
-    held, dropped = bench.read(dut.held_o), bench.read(dut.dropped_o)
+    held, dropped = counts(dut)["held"], counts(dut)["dropped"]
     await bench.RisingEdge(dut.clk_i)
     assert dropped == 0 and out == [(n % 24, 10 * (n // 2 + 1) + n % 2) for n in range(len(out))]
     return triggers, len(out), held
@@ -236,9 +243,7 @@ async def a_consumer_wakes_around_a_switch_that_waits_for_room(dut):
     after three conversions 4 beats are in it, only two more fit, and the scan waits. A beat that leaves makes
     room two clocks later: the fourth switch, due in clock 64, comes then. Each clock of waiting is
     counted."""
-    idle = {f"cfg_{name}_i": 0 for name in IDLE}
-    idle |= {"cfg_settle_i": 2, "in_user_i": 0}
-    await bench.start(dut, now_i=0, in_data_i=0, in_lost_i=0, **idle)
+    await begin(dut)
     for awake in range(56, 76):
         triggers, left, held = await ring(dut, lambda clock, _, awake=awake: int(clock >= awake), 120)
         late = max(0, awake + 2 - 64)

@@ -12,6 +12,8 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
+import members
+from frontend.test_scan import counts
 from meissner.twins.frontend.adc_spi import AD7606, MAX11125, PARTS
 from meissner.twins.frontend.am_demod import references
 from meissner.twins.frontend.scan_demod import ScanDemod
@@ -58,13 +60,12 @@ def amplitudes(twin):
 
 async def begin(dut, settle=3, **others):
     twin = twin_of(dut)
-    settings = {"settle": settle, "period": 0, "interleave": 0}
-    inputs = {f"cfg_{name}_i": value for name, value in (settings | others).items()}
+    settings = members.Settings(dut, "scan_cfg", settle=settle, **others)
     matrices = [
         CarrierMatrix(dut, amplitudes(twin), CARRIER_HZ, twin.part.data_bits, 0.3, lane, twin.converters)
         for lane in range(twin.converters)
     ]
-    await bench.start(dut, cfg_enable_i=0, now_i=0, adc_miso_i=0, **inputs)
+    await bench.start(dut, now_i=0, adc_miso_i=0)
     parts, driven = [], {}
     for lane, matrix in enumerate(matrices):
         pins = [
@@ -72,7 +73,7 @@ async def begin(dut, settle=3, **others):
             for name in ("cs_n_o", "sclk_o", "mosi_o", "miso_i")
         ]
         parts.append(Max1112x(*pins, twin.part.data_bits, matrix.code))
-    dut.cfg_enable_i.value = 1
+    settings.put(enable=1)
     return twin, matrices, parts
 
 
@@ -140,16 +141,9 @@ def check(twin, matrices, beats, count):
         assert np.abs(levels - true).max() <= bound, np.abs(levels - true).max()
 
 
-@bench.starts_known
-@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
-async def counts_over_the_whole_width(dut):
-    counters = ("dropped_o", "overrun_o", "held_o", "lost_o")
-    await bench.turn_over(dut, *counters, beside=["out_frame_o"], wraps=False)
-
-
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset_whatever_comes(dut):
-    await bench.inputs_in_reset(dut, "row_o", "convert_o", "out_valid_o", "dropped_o", "held_o", "lost_o")
+    await bench.inputs_in_reset(dut, "row_o", "convert_o", "out_valid_o", "status_o")
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -199,9 +193,9 @@ async def what_nobody_takes_and_what_comes_too_early_is_counted(dut):
     await bench.clocks(dut, 3 * steps["frame"] + steps["first_beat"] + steps["slot"])
     await ReadOnly()
     assert (dut.out_valid_o.value, bench.read(dut.out_id_o), bench.read(dut.out_frame_o)) == (1, 0, 0)
-    assert bench.read(dut.dropped_o) == 3
-    assert bench.read(dut.overrun_o) > 3 * steps["frame"] - 9
-    assert (bench.read(dut.held_o), bench.read(dut.lost_o)) == (0, 0)
+    told = counts(dut)
+    assert (told["dropped"], told["held"], told["lost"]) == (3, 0, 0)
+    assert told["overrun"] > 3 * steps["frame"] - 9
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
@@ -234,7 +228,7 @@ async def a_lost_conversion_spoils_its_place_alone(dut):
     level = np.array([beat[1] for beat in beats]).reshape(3, size)
     if twin.form == 1:
         assert np.abs(np.delete(level - level[2], spoiled)).max() <= 2 * rounding(twin)
-    assert bench.read(dut.lost_o) == 1
+    assert counts(dut)["lost"] == 1
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import bench
+import members
 from meissner.twins.cop.cop import cop
-from meissner.twins.frontend.calibrate_taxels import forces
+from meissner.twins.frontend.calibrate import forces
 from meissner.twins.frontend.tare import Tare
 
 FIELDS = ["data", "mask", "id", "fits", "row_last", "last"]
-QUIET = {"cfg_tare_i": 0, "cfg_force_i": 0, "cfg_load_i": 0, "cfg_write_i": 0}
 
 
 def twin_of(dut, **settings):
@@ -54,25 +54,23 @@ def frames_of(rng, twin, count, press=0.5):
     return bench.lane_beats(np.clip(x, low, high), twin.lanes, twin.sample_bits, high, mask=mask)
 
 
-async def pulse(dut, name, **others):
-    for other, value in others.items():
-        getattr(dut, other).value = value
-    getattr(dut, name).value = 1
-    await bench.RisingEdge(dut.clk_i)
-    getattr(dut, name).value = 0
+async def begin(dut, **inputs):
+    """Reset with the settings given by ``contact`` and ``step``, others 0."""
+    settings = members.Settings(dut, "tare_cfg", **inputs)
+    await bench.start(dut, start_i=0)
+    return settings
 
 
 async def status_is(dut, twin):
     await bench.clocks(dut, 12)
-    for name in ("pressed", "tared", "refused", "swallowed", "taring"):
-        assert bench.read(getattr(dut, f"{name}_o")) == getattr(twin, name), name
-    assert bench.read(dut.cfg_loading_o) == twin.loading
+    found = {name.removeprefix("state_"): n for name, n in members.of("tare_status", bench.read(dut.status_o)).items()}
+    assert found == {name: int(getattr(twin, name)) for name in found}
 
 
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "swallowed_o", wraps=False)
+    await bench.turn_over(dut, "swallowed_count", wraps=False)
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
@@ -82,7 +80,7 @@ async def matches_model(dut, stall_rate, damage):
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin = twin_of(dut, contact=20, step=37)
     length = length_of(twin)
-    await bench.start(dut, cfg_contact_i=20, cfg_step_i=37, **QUIET)
+    settings = await begin(dut, contact=20, step=37)
     pauses = bench.gaps_and_stalls(stall_rate)
     count = 160 if length < 100 else 12
     if twin.tare_log2 > 4:
@@ -101,11 +99,11 @@ async def matches_model(dut, stall_rate, damage):
         await status_is(dut, twin)
         what = draw.choice(["none", "tare", "tare", "force", "load"])
         if what in ("tare", "force"):
-            await pulse(dut, "cfg_tare_i", cfg_force_i=int(what == "force"))
+            await settings.pulse(dut.clk_i, average=1, force=what == "force")
             twin.tare(what == "force")
         elif what == "load":
             every = twin._fresh  # the memory is still empty, so all of it must be written
-            dut.cfg_load_i.value = 1
+            settings.put(load=1)
             twin.load(True)
             await bench.clocks(dut, 1)  # a beat may still be taken in this clock
             piece = beats[at : at + draw.randint(0, 2 * length)]
@@ -117,14 +115,13 @@ async def matches_model(dut, stall_rate, damage):
                 lanes = draw.randrange(1, 1 << twin.lanes) if not every else (1 << twin.lanes) - 1
                 offset = draw.choice([*bench.width(twin.sample_bits), draw.randint(-99, 999)])
                 bits = [lane for lane in range(twin.lanes) if lanes >> lane & 1]
-                value = offset & ((1 << twin.sample_bits) - 1)
-                await pulse(dut, "cfg_write_i", cfg_word_i=word, cfg_offset_i=value)
-                dut.cfg_write_i.value = lanes
-                await bench.RisingEdge(dut.clk_i)
-                dut.cfg_write_i.value = 0
-                twin.write(word, offset, [0])
-                twin.write(word, offset, bits)
-            dut.cfg_load_i.value = 0
+                for write, which in ((1, [0]), (lanes, bits)):
+                    await settings.pulse(dut.clk_i, word=word, zero=offset, write=write, write_written=1)
+                    twin.write(word, offset, which)
+                beyond = 1 << twin.rows * twin.row_beats.bit_length()  # no such word, but word 0's low bits
+                for word_ in (length, min(beyond, (1 << 20) - 1)):
+                    await settings.pulse(dut.clk_i, word=word_, zero=-5, write=255, write_written=1)
+            settings.put(load=0)
             twin.load(False)
             await bench.clocks(dut, 2)
     if not damage and 1 < length < 100:
@@ -136,12 +133,12 @@ async def matches_model(dut, stall_rate, damage):
 async def settings_of_every_size(dut):
     """Each bit of both settings, and none; a load request of a single clock does not start loading."""
     rng = np.random.default_rng(bench.SEED)
-    await bench.start(dut, cfg_contact_i=0, cfg_step_i=0, **QUIET)
+    settings = await begin(dut)
     for ones in (0x55555, 0xAAAAA, 0):
-        twin = twin_of(dut, contact=ones & (1 << len(dut.cfg_contact_i)) - 1, step=ones & 255)
-        dut.cfg_contact_i.value, dut.cfg_step_i.value = twin.contact, twin.step
+        twin = twin_of(dut, contact=ones & (1 << min(17, len(dut.in_data_i) // dut.Lanes.value.to_unsigned())) - 1, step=ones & 255)
+        settings.put(contact=twin.contact, step=twin.step)
         await bench.reset(dut)
-        await pulse(dut, "cfg_load_i")
+        await settings.pulse(dut.clk_i, load=1)
         low, high = bench.width(twin.sample_bits)
         x = rng.choice([low, -1, 0, 40, twin.contact - 3, high], (12, twin.rows, twin.columns))
         beats = bench.lane_beats(np.minimum(x, high), twin.lanes, twin.sample_bits, mask=0 * x)
@@ -160,24 +157,26 @@ async def every_bit_of_a_zero_counts(dut, up):
     """
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin = twin_of(dut)
-    await bench.start(dut, cfg_contact_i=0, cfg_step_i=0, **QUIET)
+    settings = await begin(dut)
     sign, frames = 1 if up else -1, 1 << twin.tare_log2
     part = frames // 2 - sign if frames > 1 else 0
     high = bench.width(twin.sample_bits)[1]
 
     async def frame(x, step, beside=high):
-        dut.cfg_step_i.value = twin.step = step
+        twin.step = step
+        settings.put(step=step)
         beats = bench.lane_beats(x[None], twin.lanes, twin.sample_bits, beside, mask=0 * x[None])
         assert await bench.stream(dut, beats, FIELDS, drain=12) == expected_of(twin, beats)
 
     for turn in range(6 if frames <= 16 else 2):
-        dut.cfg_contact_i.value = twin.contact = contact = draw.getrandbits(13) | 2
+        twin.contact = contact = draw.getrandbits(13) | 2
+        settings.put(contact=contact)
         level = rng.integers(-300, 300, (twin.rows, twin.columns))
         rest = level + (not up and frames > 1)
         moves = [1, contact] if up else [-1, -5000]
         await bench.reset(dut)
         twin.reset()
-        await pulse(dut, "cfg_tare_i", cfg_force_i=1)
+        await settings.pulse(dut.clk_i, average=1, force=1)
         twin.tare(True)
         for place in range(frames + 1):
             await frame(level + (place < part), draw.randrange(256), beside=0)
@@ -200,10 +199,10 @@ async def forgets_what_a_reset_interrupts(dut):
     rng = np.random.default_rng(bench.SEED)
     twin = twin_of(dut, contact=20, step=255)
     length = length_of(twin)
-    await bench.start(dut, cfg_contact_i=20, cfg_step_i=255, **QUIET)
+    settings = await begin(dut, contact=20, step=255)
     beats = frames_of(rng, twin, 2 + (1 << twin.tare_log2), press=0)
     for cut in (1, length, length * (2 + (1 << twin.tare_log2) // 2) - length // 2):
-        await pulse(dut, "cfg_tare_i", cfg_force_i=1)
+        await settings.pulse(dut.clk_i, average=1, force=1)
         await bench.stream(dut, beats[:cut], FIELDS, drain=0)
         await bench.reset(dut)
         twin.reset()
@@ -212,13 +211,35 @@ async def forgets_what_a_reset_interrupts(dut):
         assert twin.tared == twin.refused == 0
 
 
+@bench.applies(lambda dut: length_of(twin_of(dut)) <= 500)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def the_start_asks_for_the_first_tare(dut):
+    """With at_start it averages in spite of a contact, without it the start has no effect."""
+    settings = await begin(dut, contact=20, step=1)
+    for at_start in (1, 0):
+        await bench.reset(dut)
+        twin = twin_of(dut, contact=20, step=1)
+        settings.put(at_start=at_start)
+        dut.start_i.value = 1
+        await bench.RisingEdge(dut.clk_i)
+        dut.start_i.value = 0
+        if at_start:
+            twin.tare(True)
+        x = np.full(((1 << twin.tare_log2) + 2, twin.rows, twin.columns), 400)
+        beats = bench.lane_beats(x, twin.lanes, twin.sample_bits, mask=0 * x)
+        assert await bench.stream(dut, beats, FIELDS) == expected_of(twin, beats)
+        await status_is(dut, twin)
+        assert twin.tared == at_start
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
     """A beat a clock inside a frame, each out a clock later; 8 clocks between frames."""
     rng = np.random.default_rng(bench.SEED)
     twin = twin_of(dut)
     length = length_of(twin)
-    await bench.start(dut, out_ready_i=1, cfg_contact_i=64, cfg_step_i=1, **QUIET)
+    await begin(dut, contact=64, step=1)
+    dut.out_ready_i.value = 1
     await bench.clocks(dut, 10)
     beats = frames_of(rng, twin, 3)
     taken, left, clock = [], [], 0
@@ -249,7 +270,7 @@ EVIDENCE = {
         "settle": 6,
         "driver": {
             # The stored words and everything on the way to them, including a frame of an averaging.
-            "kept": "fresh u_state. u_round. zero_ sum_ write learn place_q cfg_loading_o "
+            "kept": "fresh u_state. u_round. zero_ sum_ write learn place_q loading "
             "drain frames averaging commit forced asked dropping contact nonzero "
             "over_q negative mask_q seen",
             # A frame that is missing in the words.

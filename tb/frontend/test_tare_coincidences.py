@@ -8,9 +8,9 @@ from math import floor
 import cocotb
 
 import bench
+import members
 
 CONTACT, TAXELS, AVERAGED = 20, 6, 2
-QUIET = {"cfg_tare_i": 0, "cfg_force_i": 0, "cfg_load_i": 0, "cfg_write_i": 0}
 
 
 class Line:
@@ -18,6 +18,7 @@ class Line:
 
     def __init__(self, dut):
         self.dut, self.clock, self.taken, self.out = dut, 0, [], []
+        self.settings = members.Settings(dut, "tare_cfg", contact=CONTACT)
 
     async def tick(self, beat=None):
         """One clock; returns whether ``beat`` (value, number, last) went in; an early last does not fit."""
@@ -37,21 +38,25 @@ class Line:
         return took
 
     async def send(self, beats, tare_at=None, force=1):
-        """Send all ``beats`` back to back; cfg_tare_i in the clock ``tare_at``."""
+        """Send all ``beats`` back to back; a tare asked for in the clock ``tare_at``."""
         for beat in beats:
             took = False
             while not took:
-                self.dut.cfg_tare_i.value = int(self.clock == tare_at)
-                self.dut.cfg_force_i.value = int(self.clock == tare_at) & force
+                asked = self.clock == tare_at
+                self.settings.put(average=asked, force=asked and force)
                 at = self.clock
                 took = await self.tick(beat)
             self.taken.append(at)
-        self.dut.cfg_tare_i.value = 0
+        self.settings.put(average=0)
 
     async def status(self):
         for _ in range(12):
             await self.tick()
-        return tuple(bench.read(getattr(self.dut, f"{name}_o")) for name in ("tared", "refused"))
+        status = self.state()
+        return status["tared"], status["refused"]
+
+    def state(self):
+        return members.of("tare_status", bench.read(self.dut.status_o))
 
 
 def frame(*values):
@@ -61,7 +66,7 @@ def frame(*values):
 
 
 async def begin(dut):
-    await bench.start(dut, cfg_contact_i=CONTACT, cfg_step_i=0, in_mask_i=0, **QUIET)
+    await bench.start(dut, cfg_i=0, start_i=0, in_mask_i=0)
     return Line(dut)
 
 
@@ -115,7 +120,7 @@ async def a_contact_next_to_an_averaging_and_in_it(dut):
                 # 15.
                 averaged = number in (1, 2) and place == TAXELS - 1
                 assert line.out[-1] == (still if refused else -6 if averaged else 0), which
-                assert bench.read(dut.taring_o) == 0
+                assert line.state()["state_taring"] == 0
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -136,9 +141,9 @@ async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
             broken[-1] = (*broken[-1][:2], 1)
             await line.send(broken)
             assert await line.status() == (0, 0)
-            assert bench.read(dut.pressed_o) == 0 and bench.read(dut.taring_o) == 1
+            assert line.state()["state_pressed"] == 0 and line.state()["state_taring"] == 1
             await line.send(frame(still))
-            assert await line.status() == (0, 0) and bench.read(dut.taring_o) == 1
+            assert await line.status() == (0, 0) and line.state()["state_taring"] == 1
             await line.send([*frame(still), *frame(still)])
             assert await line.status() == (1, 0), (length, place)
             assert line.out[-TAXELS:] == [0] * TAXELS
@@ -148,7 +153,7 @@ async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
         [*frame(still), *frame(still, still, contact, still, still, still)], tare_at=asked, force=0
     )
     assert await line.status() == (0, 1)
-    assert bench.read(dut.pressed_o) == 1 and bench.read(dut.taring_o) == 0
+    assert line.state()["state_pressed"] == 1 and line.state()["state_taring"] == 0
 
 
 def test_tare_coincidences():

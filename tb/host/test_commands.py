@@ -312,42 +312,6 @@ def test_the_rate_of_a_line_is_the_configurations(meissner, monkeypatch, port, m
     assert asked == [("/dev/ttyX", baud)]
 
 
-@pytest.mark.parametrize(
-    "arguments, sentence",
-    [
-        (("live", "telepathy"), "is not a line"),
-        (("live", "sim:", "--seconds", "0"), "seconds = 0 must be a number above 0"),
-        (("live", "sim:", "--seconds", "nan"), "must be a number above 0"),
-        (("live", "sim:", "--clk-khz", "0"), "clk-khz = 0 must be 1 or more"),
-        (("regs", "file:a.bin"), "cannot be reached"),
-        (("live", "sim:", "--config", "none"), "neither a file nor one of the configurations"),
-        (("log", "sim:", "--out", "a.txt"), "must be a .mcap or a .npz file"),
-        (("log", "sim:", "--out", "nowhere/a.npz"), "there is no folder nowhere"),
-        (("log", "file:a.bin", "--out", "a.npz"), "clock is unknown"),
-        (("replay", "none.mcap", "--out", "o.npz"), "there is no file none.mcap"),
-        (("replay", "a.bin", "--out", "o.npz"), "must be a .mcap or a .npz file"),
-        (("replay", "empty.mcap", "--out", "o.npz"), "is not a complete MCAP log"),
-        (("replay", "empty.mcap", "--engine", "oracle", "--out", "o.npz"), "unknown engine"),
-        (("replay", "flat.npz", "--out", "o.npz"), "is not a log of a core"),
-        (("replay", "good.npz", "--out", "nowhere/o.npz"), "there is no folder nowhere"),
-        (("replay", "good.npz", "--min-load", "-1", "--out", "o.npz"), "must not be negative"),
-        (("replay", "good.npz", "--out", "o.npz"), "has no image to replay"),
-    ],
-)
-def test_bad_input(meissner, tmp_path, arguments, sentence):
-    (tmp_path / "a.bin").write_bytes(b"\0")
-    (tmp_path / "empty.mcap").write_bytes(b"")
-    np.savez(tmp_path / "flat.npz", x=[1])
-    core = host.Core(line.Pipe(SimulatedCore()))
-    with log.recording(tmp_path / "good.npz", core):
-        pass
-    before = sorted(tmp_path.iterdir())
-    code, out, err = meissner(*arguments)
-    assert (code, out) == (2, "")
-    assert sentence in err and len(err.splitlines()) == 1
-    assert sorted(tmp_path.iterdir()) == before
-
-
 def test_heat_map():
     taxels = np.zeros((3, 4), np.uint16)
     taxels[1, 2], taxels[0, 0], taxels[2, 3] = 65535, 1, 40000

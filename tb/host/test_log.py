@@ -193,16 +193,16 @@ def test_a_log_that_fails_before_a_packet_leaves_nothing(tmp_path, name):
 def test_refuses_what_cannot_be_logged(tmp_path):
     core = host.Core(line.Pipe(SimulatedCore(clk_khz=CLK_KHZ)))
     with (
-        pytest.raises(ValueError, match=r"must be a .mcap or a .npz"),
+        pytest.raises(ValueError, match=r"\.mcap"),
         log.recording(tmp_path / "a.txt", core),
     ):
         pass
     listened = host.Core(line.Pipe(SimulatedCore()), registers=False)
-    with pytest.raises(ValueError, match="clock is unknown"), log.recording(tmp_path / "a.npz", listened):
+    with pytest.raises(ValueError, match="clock"), log.recording(tmp_path / "a.npz", listened):
         pass
     assert list(tmp_path.iterdir()) == []
     with (
-        pytest.raises(ValueError, match=r"of one size; the 1 packets received are in .*a.npz.part.rows"),
+        pytest.raises(ValueError, match=r"a.npz.part.rows"),
         log.recording(tmp_path / "a.npz", core) as kept,
     ):
         for shape in ((2, 3), (3, 2)):

@@ -8,6 +8,7 @@ import io
 import os
 import pty as ptys
 import resource
+import select
 import signal
 import subprocess
 import sys
@@ -47,6 +48,7 @@ class Listened:
     def __init__(self, folder, name, **more):
         self.folder, self.name = folder, name
         self.ours, theirs = ptys.openpty()
+        os.set_blocking(self.ours, False)
         attributes = termios.tcgetattr(theirs)
         attributes[0] = attributes[1] = attributes[3] = 0  # raw
         termios.tcsetattr(theirs, termios.TCSANOW, attributes)
@@ -71,8 +73,12 @@ class Listened:
             time.sleep(0.02)
 
     def say(self, data):
-        while data:
-            data = data[os.write(self.ours, data[:1024]) :]
+        """Write, as long as the command runs: nobody empties the terminal of one that ended."""
+        end = time.monotonic() + 120
+        while data and self.child.poll() is None:
+            assert time.monotonic() < end, "the command does not read its line"
+            if select.select([], [self.ours], [], 0.1)[1]:
+                data = data[os.write(self.ours, data[:1024]) :]
 
     def kept(self):
         """Loads in the spool, as far as it is readable now."""
@@ -160,9 +166,7 @@ def test_a_killed_log_keeps_the_packets_received(tmp_path, listened, name, monke
     assert found["cop_load"].tolist() == list(range(COUNT)) and found["partial"]
     assert (int(found["clk_khz"]), int(found["start_time"])) == (CLK_KHZ, 0)
     assert np.diff(found["cop_ns"]).tolist() == (COUNT - 1) * [10**6]
-    with pytest.raises(
-        ValueError, match=rf"there is no file .*{name}; .* are in .*{part(tmp_path / name).name}"
-    ):
+    with pytest.raises(ValueError, match=part(tmp_path / name).name):
         log.read(tmp_path / name)
     # Another log of that name does not touch it.
     again = listened(name)

@@ -42,7 +42,7 @@ def test_levels_are_of_one_window():
         return real(*arguments, **named)
 
     pipe.registers.access = busy
-    with pytest.raises(OSError, match="a window ended during each attempt"):
+    with pytest.raises(OSError, match="window"):
         shear.levels(core, 0, 4096 / 5)
 
 

@@ -332,7 +332,7 @@ def test_refuses_reset_values_that_are_none(values, sentence):
 
 def test_the_generated_files_are_what_their_source_gives():
     done = subprocess.run(
-        [sys.executable, "tools/registers.py", "--check"], cwd=ROOT, capture_output=True, text=True
+        [sys.executable, "tools/make/registers.py", "--check"], cwd=ROOT, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
 

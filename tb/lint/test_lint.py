@@ -1,4 +1,4 @@
-"""A rule of tools/lint.py itself: an operator right before a sized cast, which Yosys takes into the size."""
+"""A rule of tools/make/lint.py: an operator right before a sized cast, which Yosys takes into the size."""
 
 import pytest
 

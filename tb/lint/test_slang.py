@@ -1,5 +1,5 @@
-"""tools/slang.py: code that violates the standard but passes Verilator and Yosys stops `make lint`; clean
-files pass without output, parameters reach the top, whatever the path."""
+"""tools/make/slang.py: code that violates the standard but passes Verilator and Yosys stops `make lint`;
+clean files pass without output, parameters reach the top, whatever the path."""
 
 import subprocess
 import sys
@@ -37,7 +37,7 @@ endmodule
 def slang(folder, name, text, *given):
     path = folder / f"{name}.sv"
     path.write_text(text)
-    command = [sys.executable, "tools/slang.py", "-Werror", str(path), "--top", name, *given]
+    command = [sys.executable, "tools/make/slang.py", "-Werror", str(path), "--top", name, *given]
     done = subprocess.run(command, cwd=toolchain.ROOT, capture_output=True, text=True)
     return done.returncode, done.stdout + done.stderr
 

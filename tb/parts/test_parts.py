@@ -4,12 +4,10 @@ By the figures of docs/adc.md, repeated here as numbers. A part's own delays are
 picosecond. Rules that are not times are each broken once.
 """
 
-import re
 from dataclasses import fields
 
 import pytest
 
-from meissner.builds import toolchain
 from parts import ad7606, max1112x, mcp3208
 from parts.edges import Edges, Pin
 
@@ -97,16 +95,6 @@ def test_outputs_are_let_go_after_their_delays(monkeypatch):
     _, _, miso, begins = max1112x_run(monkeypatch, noise=0)
     rise = begins[-1] + 20 + 15 * 80 + 40 + 60
     assert (miso.was(rise + 15 - PS), miso.was(rise + 15)) == (1, 0)
-
-
-def test_readme_says_what_is_unverified():
-    """As long as docs/adc.md has rows whose only source is memory (M): all of them are of the MAX1112x."""
-    page, readme = ((toolchain.ROOT / name).read_text() for name in ("docs/adc.md", "README.md"))
-    parts = [part for part in page.split("\n### ") if re.search(r"\| M(, unverified)? \|", part)]
-    assert [part.split(",")[0] for part in parts] == ["MAX11123"]
-    assert "| M |" not in page, "a row that rests on memory does not say that it is unverified"
-    [line] = [line for line in readme.splitlines() if line.startswith("- **Converters**")]
-    assert "MAX11123 to 11125 (MAX1112x timing unverified" in line
 
 
 def test_mcp3208_rules(monkeypatch):

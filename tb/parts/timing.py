@@ -7,7 +7,7 @@ import cocotb
 from cocotb import simulator
 from cocotb.triggers import Timer, ValueChange
 
-from streams import read
+from harness.streams import read
 
 
 class TimingViolation(Exception):

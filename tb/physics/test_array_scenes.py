@@ -2,8 +2,6 @@
 figures; an even press is uneven before calibration and within 1 % after; scenes with mistakes."""
 
 import json
-import re
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +10,7 @@ import pytest
 from meissner import engines, run, scenes
 from meissner.builds import toolchain
 from meissner.scenes.capacitive import scene as capacitive
-from meissner.scenes.chain import unevenness
+from meissner.scenes.errors import unevenness
 from meissner.scenes.sensor import sensor
 
 PADS, MATRICES = scenes.names("capacitive"), scenes.names("fsr")
@@ -20,11 +18,6 @@ PRINTED = ("capacitive_cell", "capacitive_shapes")  # docs/capacitive.md has wha
 COMMON = (
     "scene engine seed seconds_simulated seconds_taken samples_per_second twin_mismatches modelled left_out"
 )
-
-
-def test_the_scenes_are_there():
-    assert PADS == ["capacitive_cell", "capacitive_crosstalk", "capacitive_select", "capacitive_shapes"]
-    assert MATRICES == ["fsr_3x3", "fsr_64x64"]
 
 
 @pytest.mark.parametrize("name", PADS + MATRICES)
@@ -158,15 +151,6 @@ CHECKS = {
 }
 
 
-def test_the_page_s_ranges_are_recorded():
-    """docs/capacitive.md takes them from the paper's page that computes them."""
-    text = (toolchain.ROOT / "docs/capacitive.md").read_text("utf-8")
-    record = json.loads((toolchain.ROOT / "docs/papers/capacitive_array.json").read_text("utf-8"))
-    computed = " ".join(row["ours"] + " " + row["difference"] for row in record["parts"] if "ours" in row)
-    ranges = re.findall(r"[\d.]+ \([\d.]+ to [\d.]+\)", text.split("## How straight")[1].split("\n## ")[0])
-    assert len(ranges) == 5 and all(one in computed for one in ranges)
-
-
 @pytest.mark.parametrize("seed", [2, 3, 4])
 def test_an_even_press_is_even_with_other_parts_too(tmp_path, undrawn, seed):
     summary = run.run(scenes.load("capacitive_shapes"), "fixed", tmp_path, seed=seed)
@@ -217,67 +201,3 @@ def test_a_held_matrix_drifts():
     i, j = np.unravel_index(without[150].argmax(), (64, 64))
     loaded = 1 + 0.02 * np.log10(1 + 149 / 1000 / 0.1)
     assert codes[150, i, j] / without[150, i, j] == pytest.approx(loaded, abs=3e-3)
-
-
-def test_waves_are_refused(tmp_path):
-    with pytest.raises(
-        ValueError, match="--waves works only for scenes of slip or of taxel forces, not for fsr_3x3"
-    ):
-        run.run(scenes.load("fsr_3x3"), "fixed", tmp_path / "results", waves=True)
-    assert not (tmp_path / "results").exists()
-
-
-def change(name, path, value):
-    changed = place = tomllib.loads(scenes.source(name))
-    for key in path[:-1]:
-        place = place[key]
-    if value is None:
-        del place[path[-1]]
-    else:
-        place[path[-1]] = value
-    return changed
-
-
-@pytest.mark.parametrize(
-    "name, path, value, says",
-    [
-        (
-            "capacitive_cell",
-            ("features",),
-            ["slip"],
-            "features = 'slip' must be one of: demod, calibrate, cop",
-        ),
-        ("capacitive_cell", ("readout", "gain"), 0, "gain = 0 must be above 0"),
-        ("capacitive_cell", ("readout", "samples_per_period"), 5, "= '5' must be one of: 4, 8, 16"),
-        ("capacitive_cell", ("readout", "form"), "square", "form = 'square' must be one of: rectifier, "),
-        ("capacitive_cell", ("readout", "periods"), 65, "periods = 65 must lie in 1 .. 64"),
-        ("capacitive_cell", ("readout", "bits"), 18, "bits = 18 must lie in 1 .. 17"),
-        ("capacitive_cell", ("readout", "noise"), 1, "unknown key 'noise'"),
-        ("capacitive_cell", ("world", "kind"), "dance", "kind = 'dance' must be one of: crosstalk, cell"),
-        ("capacitive_cell", ("world", "force_g"), 200, "force_g = 200 must lie in 0 .. 150"),
-        ("capacitive_cell", ("world", "steps_g"), [], "must be a list of one or more numbers"),
-        ("capacitive_cell", ("world", "presses"), 1, "presses = 1 must lie in 2 .. 1000"),
-        ("capacitive_crosstalk", ("world", "gains"), [0], "gains = 0 must lie in"),
-        ("capacitive_select", ("world", "cells"), 9, "cells = 9 must lie in 2 .. 5"),
-        ("capacitive_select", ("world",), None, "the key 'world' is missing"),
-        ("capacitive_shapes", ("world", "shapes"), ["spoon"], "shapes = 'spoon' must be one of: edge"),
-        ("capacitive_shapes", ("world", "shapes"), [], "at least one shape"),
-        ("fsr_3x3", ("array", "material"), "felt", "material = 'felt' must be one of: FSR400, Velostat"),
-        ("fsr_3x3", ("array", "rows"), 0, "rows = 0 must lie in 1 .. 1024"),
-        ("fsr_3x3", ("readout", "circuit"), "bridge", "circuit = 'bridge' must be one of: zero potential"),
-        ("fsr_3x3", ("readout", "unselected"), "open", "unselected = 'open' must be one of: grounded"),
-        ("fsr_3x3", ("readout", "load_ohm"), 0, "load_ohm = 0 must be above 0"),
-        ("fsr_3x3", ("converter", "bits"), 17, "bits = 17 must lie in 1 .. 16"),
-        ("fsr_3x3", ("world", "patches"), [], "at least one"),
-        ("fsr_3x3", ("world", "seconds"), 1e-9, "hold no frame"),
-        ("fsr_64x64", ("faults", 0, "kind"), "lost", "kind = 'lost' must be one of: dead row"),
-        ("fsr_64x64", ("faults", 0, "row"), 64, "row = 64 must lie in 0 .. 63"),
-        ("fsr_64x64", ("faults", 0, "column"), 1, "unknown key 'column'"),
-        ("fsr_64x64", ("faults", 1, "column"), None, "the key 'column' is missing"),
-        ("fsr_64x64", ("faults",), [], "at least one"),
-    ],
-)
-def test_a_mistyped_scene_gets_one_sentence(name, path, value, says):
-    with pytest.raises(ValueError, match=says) as caught:
-        scenes.build("mine", change(name, path, value))
-    assert "\n" not in str(caught.value) and str(caught.value).startswith("scene mine")

@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from command import meissner
+from harness.command import meissner
 from meissner.budget import array as budget
 from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208
 
@@ -112,32 +112,3 @@ def test_the_verdict_comes_first(converters, needs, says):
     assert lines[0] == f"from first convert to CoP 999.975 us, {says}"
     inputs = found["channels"]
     assert lines[1].startswith(f"16×24 taxels, {converters} AD7606s with {inputs} inputs used, 40 MHz")
-
-
-@pytest.mark.parametrize(
-    "arguments, says",
-    [
-        (["--rows", "0"], "rows = 0"),
-        (["--cols", "1025"], "columns = 1025"),
-        (["--clock", "1"], "clock = 1 "),
-        (["--clock", "nan"], "clock = nan"),
-        (["--settle-us", "nan"], "settle = nan"),
-        (["--settle-us", "-1"], "settle = -1"),
-        (["--settle-us", "2000"], "200000 clocks"),
-        (["--adc", "abacus"], "adc = 'abacus'"),
-        (["--converters", "3"], "converters = 3"),
-        (["--channels", "9"], "channels = 9"),
-        (["--sclk-khz", "0"], "sclk_khz = 0"),
-        (["--bits-per-clock", "3"], "bits-per-clock = 3"),
-        (["--demod", "--adc", "ad7606"], "without BUSY"),
-        (["--demod", "--adc", "max11123", "--sample-period", "1"], "sample_period = 1 "),
-        (["--demod", "--adc", "max11123", "--periods", "0"], "periods = 0"),
-        (["--demod", "--adc", "max11123", "--skip", "-1"], "skip = -1"),
-        (["--out", "x.png"], "--out writes the picture"),
-    ],
-    ids=lambda value: value if isinstance(value, str) else " ".join(value),
-)
-def test_refuses_with_one_sentence(arguments, says):
-    done = meissner("budget", *arguments)
-    assert done.returncode == 2 and done.stdout == ""
-    assert says in done.stderr and len(done.stderr.splitlines()) == 1

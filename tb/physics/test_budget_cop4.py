@@ -10,7 +10,7 @@ import re
 import numpy as np
 import pytest
 
-from command import meissner
+from harness.command import meissner
 from meissner.budget import cop4 as budget
 from meissner.budget import cop4_report
 from meissner.physics.adc import Adc
@@ -190,33 +190,3 @@ def test_the_command_prints_and_draws(tmp_path):
         r"at 5 N, a position error below half a taxel's pitch .* needs: 17 bits at gain 1", done.stdout
     )
     assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
-
-
-BAD = {
-    "--out writes the picture of --cop4": (),
-    "rows = 0 must lie in 1 .. 1024": ("--cop4", "--rows", 0),
-    "columns = 1025 must lie in": ("--cop4", "--columns", 1025),
-    "invalid int value: '2.5'": ("--cop4", "--columns", 2.5),
-    "r = 0.0 must be a positive, finite": ("--cop4", "--r", 0),
-    "R0 = -1.0 must be": ("--cop4", "--R0", -1),
-    "V0 = inf must be": ("--cop4", "--V0", "inf"),
-    "k = nan must be": ("--cop4", "--k", "nan"),
-    "adc-bits = 7 must lie in 8 .. 24": ("--cop4", "--adc-bits", 7),
-    "adc-bits = 25": ("--cop4", "--adc-bits", 25),
-    "gain = 0.5 must be 1": ("--cop4", "--gain", 0.5),
-    "gain = nan must be 1": ("--cop4", "--gain", "nan"),
-    "gain = 2000 is beyond 1077": ("--cop4", "--gain", 2000),
-    "load = 0 must be a number of newtons": ("--cop4", "--load", 0),
-    "load = nan must be": ("--cop4", "--load", "nan"),
-    "in.txt is a file; name a folder or a .png": ("--cop4", "--out", "in.txt"),
-    "there is no folder no": ("--cop4", "--out", "no/one.png"),
-}
-
-
-@pytest.mark.parametrize("sentence", BAD)
-def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, sentence):
-    (tmp_path / "in.txt").write_text("1\n")
-    done = meissner("budget", "--out", "results", *BAD[sentence], cwd=tmp_path)
-    assert done.returncode == 2 and done.stdout == ""
-    assert sentence in done.stderr and len(done.stderr.strip().splitlines()) == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["in.txt"]

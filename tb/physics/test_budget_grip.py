@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from command import meissner
+from harness.command import meissner
 from meissner.budget import grip
 from meissner.builds import config
 

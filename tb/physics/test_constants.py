@@ -1,4 +1,4 @@
-"""docs/constants.md: every constant of the physics has an origin, and the dependence of the slip figures on
+"""Every constant of the physics has an origin, and the dependence of the slip figures on
 some of them is measured."""
 
 import types
@@ -6,10 +6,9 @@ import types
 import numpy as np
 import pytest
 
-import constants
-import figures
 from meissner.physics import plate, rubber
 from meissner.tradeoff.changes import Change
+from published import constants
 
 
 @pytest.mark.parametrize("module", constants.modules(), ids=lambda module: module.__name__.split(".")[-1])
@@ -29,16 +28,6 @@ def test_constants_are_numbers_and_tables_of_them():
     assert list(constants.constants(made)) == ["A", "B_2", "C", "D", "E"]
 
 
-def test_the_page_says_what_is_recorded():
-    records = figures.Records()
-    summary = records.printed["constants"]["summary"]
-    page = constants.page(summary, records.stale("constants"))
-    assert constants.PAGE.read_text("utf-8") == page, "`python tools/constants.py --page`"
-    assert "**stale**" in constants.page(summary, True) and "**stale**" not in constants.page(summary)
-    for changes, rows in ((constants.CHANGES, summary["rows"]), (constants.HELD_CHANGES, summary["held"])):
-        assert [(row["name"], row["value"]) for row in rows[1:]] == [(one.name, one.value) for one in changes]
-
-
 def test_a_change_reaches_what_is_computed_from_it_and_ends():
     """A layer a third as thick rings at sqrt(3) times the frequency, as the stiffness is kept."""
     before = rubber.RING_HZ, rubber.RING_S, rubber.QUALITY, rubber.THICKNESS_MM
@@ -52,30 +41,3 @@ def test_a_change_reaches_what_is_computed_from_it_and_ends():
         assert plate.RIPPLE_N == 2.0
     assert ripple == plate.RIPPLE_N
     assert before == (rubber.RING_HZ, rubber.RING_S, rubber.QUALITY, rubber.THICKNESS_MM)
-
-
-def test_a_change_that_matters_turns_the_figures(monkeypatch):
-    """Three runs: with events a quarter as large no slip is found in time; with the original size all are."""
-    monkeypatch.setattr(constants, "RUNS", 3)
-    as_is = constants._row()
-    quiet = Change("EVENT_SHARE", rubber.EVENT_SHARE / 4)
-    with constants.changed(quiet):
-        found = constants._row(quiet)
-    assert (as_is["missed"]["count"], as_is["false_alarm"]["count"], as_is["false_alarm"]["runs"]) == (
-        0,
-        0,
-        9,
-    )
-    assert found["missed"]["count"] == 3 and constants.most_missed(found) and not constants.most_missed(as_is)
-    assert found["false_alarm"] is None and found["lead_ms"] < 0 < as_is["lead_ms"]
-    assert found["delay_ms"] > as_is["delay_ms"]
-    early = constants._row(Change("first event", 0.12, first=0.12))
-    assert early["lead_ms"] > 4 * as_is["lead_ms"]
-
-
-def test_ranges_are_of_the_rows_in_which_most_slips_are_found():
-    def row(count, delay_ms, lead_ms):
-        return {"missed": {"count": count, "runs": 4}, "delay_ms": delay_ms, "lead_ms": lead_ms}
-
-    rows = [row(0, 5.0, 30.0), row(2, 90.0, -2.0), row(3, 370.0, -9.0), row(1, 0.5, 28.0)]
-    assert constants.ranges(rows) == ((0.5, 90.0), (-2.0, 30.0))

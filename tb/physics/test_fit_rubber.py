@@ -298,19 +298,17 @@ def one_step(count, speed=0.5, rest=600, drift=0.0):
 def test_a_step_must_be_whole():
     """At 0.5 mm/s and 2000 samples per second, 0.01 mm are 40 samples, and 0.1 s of rest 200."""
     assert len(steps_of(*one_step(40)).step_v) == len(steps_of(*one_step(40, rest=200)).step_v) == 1
-    with pytest.raises(
-        ValueError, match=r"step 1, from 0.3 s on: it is 39 samples and 0.00975 mm long; it needs"
-    ):
+    with pytest.raises(ValueError, match=r"39 samples"):
         steps_of(*one_step(39))
-    with pytest.raises(ValueError, match=r"it is 4 samples and 0.04 mm long"):
+    with pytest.raises(ValueError, match=r"4 samples"):
         steps_of(*one_step(4, speed=20.0))
     assert len(steps_of(*one_step(5, speed=20.0)).step_v) == 1
-    with pytest.raises(ValueError, match=r"the rest before it is shorter than 0.1 s"):
+    with pytest.raises(ValueError, match=r"shorter than 0.1 s"):
         steps_of(*one_step(40, rest=180))
 
 
 def test_a_rubber_that_still_recovers_is_no_rest():
     """0.1 s of a drift in volts per second; the step is about 0.5 V, and a tenth of it 0.05 V."""
     assert len(steps_of(*one_step(40, drift=-0.3)).step_v) == 1
-    with pytest.raises(ValueError, match=r"Vc still moves by 0.07 V in the 0.1 s before it; let the rubber"):
+    with pytest.raises(ValueError, match=r"0.07 V"):
         steps_of(*one_step(40, drift=-0.7))

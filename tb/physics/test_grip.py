@@ -12,7 +12,6 @@ from meissner.physics import grip, plate, rubber
 from meissner.physics.mesh_loads import true_centre
 from meissner.scenes.grip import scene as grip_scene
 from meissner.scenes.grip.scene import Grip, Pull
-from physics.test_cop_scenes import change
 
 TIME_S = np.arange(1000) / 1000
 LEVELS = [(0.0, 0.1, 2.0)]
@@ -161,46 +160,3 @@ def test_settings_become_registers():
         **{"drop": 77, "move": 49, "min_load": 300, "hold": 50, "refractory": 100}
     }
     assert scene.lag == 128
-
-
-PULL, GRIP = ("world", "pulls", 0), ("world", "grips", 0)
-
-
-@pytest.mark.parametrize(
-    "path, value, says",
-    [
-        (("rate_hz",), 0, "rate_hz = 0 must be above 0"),
-        (("seeds",), 0, "seeds = 0 must be above 0"),
-        (("features",), ["slip"], "features = 'slip' must be one of: cop4, cop_slip"),
-        (("mesh", "rows"), 0, r"\[mesh\]: rows = 0 must lie in 1 .. 1024"),
-        (("mesh", "r_ohm"), -1.0, "r_ohm = -1 must be above 0"),
-        (("mesh", "R0_ohm"), 0, "R0_ohm = 0 must be above 0"),
-        (("converter", "gain"), 1.0, "leaves no room"),
-        (("load", "min_n"), float("nan"), "min_n"),
-        (("cop_slip", "lag_ms"), 0.0, r"\[cop_slip\]: lag_ms"),
-        (("cop_slip", "lag_ms"), 5000.0, "lag = 5000 samples must lie in"),
-        (("cop_slip", "drop"), 1.0, "drop"),
-        (("cop_slip", "drop"), -0.1, "drop"),
-        (("cop_slip", "drop"), float("nan"), "drop"),
-        (("cop_slip", "move"), 3.0, "move"),
-        (("cop_slip", "min_load_n"), 66.0, "min_load"),
-        (("cop_slip", "hold_ms"), -1.0, "hold_ms"),
-        (("cop_slip", "refractory"), 1.0, "unknown key 'refractory'"),
-        (("world", "wire_n_mm"), 0.0, "wire_n_mm = 0 must be above 0"),
-        (("world", "cover_pitches"), -1.0, "cover_pitches = -1 must be above 0"),
-        (("world", "pulls"), [], r"at least one \[\[world.pulls\]\]"),
-        (("world", "grips"), 5, "world.grips"),
-        ((*PULL, "grip_n"), -2.0, "grip_n = -2 must be above 0"),
-        ((*PULL, "grip_n"), float("nan"), "grip_n"),
-        ((*PULL, "speed_mm_s"), 0.0, "speed_mm_s = 0 must be above 0"),
-        ((*PULL, "direction_deg"), 400.0, "direction_deg = 400 must lie in -360 .. 360"),
-        ((*PULL, "material"), "ice", "material = 'ice' must be one of: acrylic"),
-        ((*GRIP, "to_n"), [-1.0], "to_n = -1 must lie in 0"),
-        ((*GRIP, "to_n"), [], "must be a list of one or more numbers"),
-        ((*GRIP, "ramp_s"), 0.0, "ramp_s = 0 must be above 0"),
-    ],
-)
-def test_a_mistyped_scene_gets_one_sentence(path, value, says):
-    with pytest.raises(ValueError, match=says) as caught:
-        scenes.build("mine", change("cop_slip", path, value))
-    assert "\n" not in str(caught.value) and str(caught.value).startswith("scene mine")

@@ -1,7 +1,5 @@
 """What the host of a hand's scenes writes, and when; what the loop counts as a tightening."""
 
-import copy
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +12,7 @@ from meissner.twins.actuate.grip import Grip
 
 
 class Written:
-    """A stage that records the host's writes."""
+    """Reflexes that record the host's writes."""
 
     def __init__(self):
         self.found = []
@@ -42,8 +40,8 @@ def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, nu
     monkeypatch.setattr(host, "grip_n", lambda volts: np.array([1.0, 2.0]))
     scene = scenes.load("grip_disturb")
     scene = replace(scene, grip=scene.grip | {"calm_share": 0.004, "calm_decay_share": 0.09})
-    stage = Written()
-    ours = host.Host(scene, scene.conditions[number], stage, np.array([3.0, 1.8]))
+    reflexes = Written()
+    ours = host.Host(scene, scene.conditions[number], reflexes, np.array([3.0, 1.8]))
     finer = 5 if cycles == 10 else 1
     strong = ([80 * finer, 160 * finer], [1, 1] if finer == 5 else [2, 2])
     calm = ([40 * finer, 80 * finer], [4, 9] if finer == 5 else [9, 18])
@@ -53,10 +51,10 @@ def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, nu
             command = command + np.array([[249, 499], [250, 499]][cycle == 350 * cycles]) * finer
         ours.write(cycle)
         ours.read(np.array([3.0, 1.8]), command)
-    assert len(stage.found) == 19
-    assert stage.found[:16] == [strong] * 16  # 0 to 3 s
-    assert stage.found[16:18] == [calm] * 2  # 3.2 and 3.4 s
-    assert stage.found[18] == (  # 3.6 s: only the first had a tug
+    assert len(reflexes.found) == 19
+    assert reflexes.found[:16] == [strong] * 16  # 0 to 3 s
+    assert reflexes.found[16:18] == [calm] * 2  # 3.2 and 3.4 s
+    assert reflexes.found[18] == (  # 3.6 s: only the first had a tug
         [strong[0][0], calm[0][1]],
         [strong[1][0], calm[1][1]],
     )
@@ -67,32 +65,12 @@ def test_a_scene_without_a_share_and_a_condition_with_a_step_keep_their_own(with
     scene = scenes.load("grip_disturb")
     grip = {key: value for key, value in scene.grip.items() if key != without}
     scene = replace(scene, grip=grip | {"rule": "any"})
-    stage = Written()
-    ours = host.Host(scene, replace(scene.conditions[0], **changes), stage, np.array([3.0]))
+    reflexes = Written()
+    ours = host.Host(scene, replace(scene.conditions[0], **changes), reflexes, np.array([3.0]))
     for cycle in range(500):
         ours.write(cycle)
         ours.read(np.array([3.0]), np.array([20000]))
-    assert stage.found == []
-
-
-@pytest.mark.parametrize(
-    "key, value, text",
-    [
-        ("decay_mm_s", 0.003, "decay_mm_s = 0.003 rounds to 0 counts per cycle; one is 0.01 mm/s"),
-        ("calm_decay_share", 1.1, "calm_decay_share = 1.1 must lie in 0 .. 1"),
-        ("boost", 8, "boost = 8 must lie in 0 .. 7"),
-        ("boost", 2.0, "boost"),
-        ("step_share", 0.2, "step_share = 0.2 must lie in 0 .. 0.1"),
-        ("calm_share", -0.1, "calm_share = -0.1 must lie in 0 .. 0.1"),
-        ("guard_s", 2000.0, "guard_s = 2000 must lie in 0 .. 1000"),
-    ],
-)
-def test_mistakes_are_named(key, value, text):
-    table = copy.deepcopy(tomllib.loads(scenes.source("grip_disturb")))
-    table["grip"][key] = value
-    with pytest.raises(ValueError) as problem:
-        scenes.build("a", table)
-    assert text in str(problem.value)
+    assert reflexes.found == []
 
 
 class Scripted:

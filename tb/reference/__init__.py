@@ -1,5 +1,4 @@
 """What blocks compute, written a second time as plain loops from docs/ and the formulas, without the twins.
 
-Tests compare both the RTL and its twin with them. docs/references.md lists which reference belongs to which
-twin.
+Tests compare both the RTL and its twin with them.
 """

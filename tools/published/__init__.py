@@ -5,14 +5,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Row:
-    """A figure, table or statement of a paper, and ours, as text; ``owes``: constants ours depends on."""
+    """A figure, table or statement of a paper, and ours, as text."""
 
     figure: str
     what: str
     published: str
     ours: str
     difference: str
-    owes: str
 
 
 @dataclass(frozen=True)

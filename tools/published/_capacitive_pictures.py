@@ -9,7 +9,7 @@ from PIL import Image
 
 from meissner.physics import dielectric
 from meissner.scenes.capacitive.pictures import _bars
-from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, RED
+from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, RED
 
 WIDE, DPI = 8.0, 100
 
@@ -38,7 +38,7 @@ def _save(figure, folder, name):
 
 
 def gain(folder, measured):
-    _, arrays, _ = measured("crosstalk")
+    arrays = measured("crosstalk").arrays
     figure, axis = _figure(1, 1, 5.0)
     for k, pf in enumerate(arrays["unselected_pf"]):
         shade = (0.0, 0.35 + 0.1 * (5 - k), 0.75 - 0.08 * k)
@@ -55,8 +55,8 @@ def gain(folder, measured):
 
 
 def one_cell(folder, measured):
-    _, arrays, drawings = measured("cell")
-    given = drawings[0][1]
+    arrays = measured("cell").arrays
+    given = measured("cell").pictures[0].draw.keywords
     figure, axes = _figure(3, 2, 11.5)
     (over, slow), (few, many), (sag, repeat) = axes
     period = len(given["rise"])
@@ -105,7 +105,7 @@ def one_cell(folder, measured):
 
 
 def probe(folder, measured):
-    given = measured("select")[2][0][1]
+    given = measured("select").pictures[0].draw.keywords
     figure, axes = _figure(3, 1, 7.5)
     for k, axis in enumerate(axes):
         axis.plot(given["x_mm"], given["codes"][:, k], color=BLUE, lw=2)
@@ -118,7 +118,7 @@ def probe(folder, measured):
 
 
 def bars(folder, measured):
-    given = measured("shapes")[2][0][1]["images"]
+    given = measured("shapes").pictures[0].draw.keywords["images"]
     figure = Figure(figsize=(WIDE, 12.0), dpi=DPI)
     FigureCanvasAgg(figure)
     figures = {

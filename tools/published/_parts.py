@@ -1,24 +1,9 @@
-"""Shared by the pages of the four-wire sensors: constants of a row, numbers as text, pictures."""
-
-import importlib
+"""Shared by the pages of the four-wire sensors: numbers as text, pictures."""
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 NONE = "none stated"
-EXACT = "none: the circuit's equations alone"
-
-
-def owes(*names):
-    """Constants of meissner.physics such as ``grip.LEVER_MM``, with their origins; ValueError if unknown."""
-    parts = []
-    for name in names:
-        module, _, constant = name.rpartition(".")
-        found = importlib.import_module(f"meissner.physics.{module}").ORIGINS
-        if constant not in found:
-            raise ValueError(f"{name} has no origin")
-        parts.append(f"{constant} ({found[constant][0]})")
-    return ", ".join(parts)
 
 
 def signed(value, digits=4):

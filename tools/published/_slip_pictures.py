@@ -4,7 +4,7 @@ import io
 
 from PIL import Image
 
-from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RED
+from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED
 from meissner.scenes.shear.pictures import curve, envelope, figure, label
 
 __all__ = ["BLUE", "GREEN", "INK", "ORANGE", "PURPLE", "RED", "curve", "envelope", "figure", "label", "save"]

@@ -25,15 +25,15 @@ PER_MM2 = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2
 
 @cache
 def measured(kind, seed=1):
-    """Summary, arrays and drawings of a scene."""
-    return run.measure(scenes.load(f"capacitive_{kind}"), "fixed", seed)
+    """The Result of a scene."""
+    return run.run(scenes.load(f"capacitive_{kind}"), "fixed", seed)
 
 
 def over_seeds(kind, key, scale=1.0):
     """``4.19 (3.81 to 4.69)``: seed 1 and the range of all seeds. ``key``: in the summary or its last row."""
 
     def value(seed):
-        summary = measured(kind, seed)[0]
+        summary = measured(kind, seed).summary
         return scale * (summary[key] if key in summary else summary["conditions"][-1][key])
 
     values = [value(seed) for seed in SEEDS]
@@ -41,7 +41,7 @@ def over_seeds(kind, key, scale=1.0):
 
 
 def mean_over_seeds(kind, key):
-    values = [100 * measured(kind, seed)[0][key]["mean"] for seed in SEEDS]
+    values = [100 * measured(kind, seed).summary[key]["mean"] for seed in SEEDS]
     return f"{values[0]:.2g} % ({min(values):.2g} to {max(values):.2g})"
 
 
@@ -88,7 +88,6 @@ def design():
             f"stress/E·(1 + ν)(1 − 2ν)/(1 − ν): 0 at ν = ½; 100 g on a cell add {soft[0]:.2g} % of "
             f"capacitance, {soft[1]:.2g} % at ν = 0.499, {soft[2]:.2g} % at 0.49",
             "none at ν = ½",
-            "MODULUS_MPA chosen",
         ),
         Row(
             "eq. 7",
@@ -97,7 +96,6 @@ def design():
             f"the same; with the glued ends a tab is 1 + 2S² = {1 + 2 * (1.4 / 3) ** 2:.2f} times as stiff, "
             f"and 100 g add {tabs:.3g} %",
             "the ends, which the paper leaves out",
-            "MODULUS_MPA chosen; TAB_MM, TAB_DIAMETER_MM published",
         ),
         Row(
             "fabrication",
@@ -106,7 +104,6 @@ def design():
             f"what 100 g do to 0.75 mm takes {grams[0]:.0f} g at 0.25 mm: the range is "
             f"{grams[0] / grams[1]:.1f} times as wide",
             "–",
-            "BACKING_MM, TAB_DIAMETER_MM published",
         ),
         Row(
             "fabrication",
@@ -115,7 +112,6 @@ def design():
             f"200 g/mm² on a tab are {at_200:.0f} g: capacitance +{rises[0]:.0f} % at 0.75 mm, "
             f"+{rises[1]:.0f} % at 0.25 mm, a tab compressed to {heights[0]:.0f} and {heights[1]:.0f} %",
             "–",
-            "MODULUS_MPA chosen",
         ),
         Row(
             "design",
@@ -123,7 +119,6 @@ def design():
             "on the order of 1 pF",
             f"1 pF is used; the printed sizes give {low:.3f} pF (tab 0.75 mm) to {high:.3f} pF (0.25 mm)",
             f"{1 / high:.0f} to {1 / low:.0f} times",
-            "CELL_F, TRACE_MM, PERMITTIVITY published",
         ),
         Row(
             "eq. 11",
@@ -131,7 +126,6 @@ def design():
             "10 MΩ",
             f"{ohm / 1e6:.2f} MΩ; 10 MΩ is 1/(fC), without 2π",
             f"{10e6 / ohm:.1f} times",
-            "CELL_F published",
         ),
         Row(
             "eq. 16, 17",
@@ -139,13 +133,12 @@ def design():
             "a high carrier makes it small",
             f"10 MΩ: {leak[0]:.2g} % too much at 100 kHz, {leak[1]:.2g} % at 200 kHz",
             "–",
-            "CELL_F, CARRIER_HZ published",
         ),
     ]
 
 
 def crosstalk():
-    summary = measured("crosstalk")[0]
+    summary = measured("crosstalk").summary
     rows = {row["unselected_pf"]: row for row in summary["conditions"]}
     volts = ", ".join(f"{rows[pf]['output_v']:.2f} ({pf:g} pF)" for pf in (0, 10, 40, 80))
     lagging = ", ".join(f"{100 * rows[pf]['low_by_with_lagging_gain']:.2g}" for pf in (0, 10, 40, 80))
@@ -157,7 +150,6 @@ def crosstalk():
             "formula",
             f"demodulated carrier at most {1e3 * summary['difference_from_eq18_v']:.2g} mV of 10 V off",
             f"{10 * summary['difference_from_eq18_v']:.2g} %",
-            "REF_F, CELL_F published",
         ),
         Row(
             "2",
@@ -165,7 +157,6 @@ def crosstalk():
             "about 10 V",
             f"at G = 200 {volts} V; with a phase lag of 90°, as of a compensated amplifier, {lagging} % low",
             f"{100 * rows[0]['low_by']:.1f} to {100 * rows[80]['low_by']:.0f} % low",
-            "REF_F, CELL_F published",
         ),
         Row(
             "design",
@@ -173,14 +164,13 @@ def crosstalk():
             "200 kHz",
             f"needs a product of {hertz / 1e6:g} MHz",
             "–",
-            "–",
         ),
-        Row("1, 3", "schematic, cross section", "drawings", "as described", "–", "–"),
+        Row("1, 3", "schematic, cross section", "drawings", "as described", "–"),
     ]
 
 
 def cell():
-    summary = measured("cell")[0]
+    summary = measured("cell").summary
     rows = summary["conditions"]
     spread = [100 * row["of_the_mean"] for row in rows]
     return [
@@ -190,7 +180,6 @@ def cell():
             "linear",
             f"within {over_seeds('cell', 'off_the_line_g')} g of the straight line that fits it best",
             f"{100 * summary['off_the_line_g'] / 150:.2g} % of 150 g",
-            "MODULUS_MPA, CREEP chosen; BACKING_MM published",
         ),
         Row(
             "5",
@@ -198,7 +187,6 @@ def cell():
             "differ within the noise",
             f"{summary['unloading_above_loading_g']:.2g} g apart, noise {summary['noise_g']:.2g} g rms",
             f"{summary['unloading_above_loading_g'] / summary['noise_g']:.2g} times the noise",
-            "CREEP, EXPANDING chosen; the noise of the converter chosen",
         ),
         Row(
             "calibration",
@@ -210,14 +198,12 @@ def cell():
             f"{over_seeds('cell', 'settled_off_second_order_g')} g",
             f"{over_seeds('cell', 'off_share', -100)} % low in presses of 150 g, with the second-order term "
             f"{over_seeds('cell', 'off_share_second_order', -100)} %",
-            "MODULUS_MPA, CREEP chosen",
         ),
         Row(
             "calibration",
             "fout = (cout − b)/m",
             "formula",
             f"the same in integers, deviation at most {integers_off_g():.2g} g from real numbers",
-            "–",
             "–",
         ),
         Row(
@@ -228,7 +214,6 @@ def cell():
             f"{over_seeds('cell', 'left_after_release_g')} g of 100 g remain, after 60 s "
             f"{over_seeds('cell', 'left_after_rest_g')} g",
             "no number printed",
-            "CREEP, EXPANDING chosen",
         ),
         Row(
             "7",
@@ -236,15 +221,14 @@ def cell():
             "much worse than within a press",
             f"{min(spread):.2g} to {max(spread):.2g} % (standard deviation of twelve)",
             "no number printed",
-            "placement of 0.15 mm and COVER_MM chosen",
         ),
     ]
 
 
 def images():
-    select, shapes = measured("select")[0], measured("shapes")[0]
+    select, shapes = measured("select").summary, measured("shapes").summary
     share = columns_share()
-    arrays = measured("shapes")[1]
+    arrays = measured("shapes").arrays
     edges = arrays["image_two_edges"][:, 2:6].mean(axis=1)
     names = {row["shape"]: row for row in shapes["conditions"]}
 
@@ -260,7 +244,6 @@ def images():
             f"{select['peaks_apart_mm']:.2f} mm ({select['peaks_apart_from_mm']:.3f} to "
             f"{select['peaks_apart_to_mm']:.3f})",
             f"pitch {PITCH_MM} mm",
-            "PITCH_MM published",
         ),
         Row(
             "8",
@@ -268,7 +251,6 @@ def images():
             "some",
             f"a neighbour reads {100 * select['neighbour_at_a_centre']:.1f} % over a cell's centre",
             "no number printed",
-            "COVER_MM chosen",
         ),
         Row(
             "calibration",
@@ -276,7 +258,6 @@ def images():
             "mostly the columns' amplifiers",
             f"columns are {min(share):.0f} to {max(share):.0f} % of the gains' variance (seeds 1 to 8)",
             "no number printed",
-            "COLUMN_SPREAD, PLATE_SPREAD, STIFFNESS_SPREAD chosen",
         ),
         Row(
             "calibration",
@@ -286,7 +267,6 @@ def images():
             f"{100 * shapes['unevenness_calibrated_by_probe']:.1f} %, by even presses "
             f"{100 * shapes['unevenness_after']:.2f} %",
             "no number printed",
-            "the spreads and COVER_MM chosen",
         ),
         Row(
             "9",
@@ -294,7 +274,6 @@ def images():
             "bars",
             f"edge: {one('edge')}; upright: {one('upright edge')}",
             "–",
-            "sizes chosen",
         ),
         Row(
             "10",
@@ -302,7 +281,6 @@ def images():
             "bars",
             f"{one('IC socket')}; opposite: {one('opposite socket')}",
             "–",
-            "sizes chosen",
         ),
         Row(
             "11",
@@ -310,12 +288,9 @@ def images():
             "a gap of one pixel",
             f"one row at {100 * edges[3] / edges.max():.0f} % of the thicker edge",
             "none",
-            "gap published, sizes chosen",
         ),
-        Row(
-            "12", "bolt; washer", "bars", f"bolt: {one('bolt')}; washer: {one('washer')}", "–", "sizes chosen"
-        ),
-        Row("13", "connector of 6 pins", "bars", one("connector"), "–", "6 pins published, sizes chosen"),
+        Row("12", "bolt; washer", "bars", f"bolt: {one('bolt')}; washer: {one('washer')}", "–"),
+        Row("13", "connector of 6 pins", "bars", one("connector"), "–"),
         Row(
             "9–13",
             "total load of the objects",
@@ -324,7 +299,6 @@ def images():
             f"{mean_over_seeds('shapes', 'load_error_second_order')}; position "
             f"{mean_over_seeds('shapes', 'position_error')} of the range",
             "–",
-            "MODULUS_MPA, COVER_MM chosen",
         ),
     ]
 

@@ -14,7 +14,7 @@ from itertools import combinations
 from random import Random
 
 from meissner.builds import toolchain
-from verify import benches
+from nightly import benches
 from verify.pairs import covering
 
 ENDS = toolchain.ROOT / "tb/extremes/parameters.toml"

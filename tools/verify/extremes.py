@@ -30,7 +30,8 @@ import mpmath
 import numpy as np
 
 from meissner.builds import toolchain
-from verify import benches, evidence, revision
+from nightly import benches, evidence
+from verify import revision
 from verify.pairs import covering
 
 FOLDER = toolchain.ROOT / "tb/extremes"

@@ -7,7 +7,8 @@ import re
 import resource
 
 from meissner.builds import toolchain
-from verify import benches, readers
+from nightly import benches
+from verify import readers
 from verify.revision import digest
 
 FOLDER = toolchain.ROOT / "docs/trust"

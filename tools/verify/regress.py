@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from meissner.builds import toolchain
-from verify import benches
+from nightly import benches
 
 WORK = toolchain.BUILD / "regress"
 TOP = "regress_top"

@@ -14,7 +14,8 @@ from pathlib import Path
 
 from meissner.builds import toolchain
 from meissner.builds.yowasp import INSTEAD
-from verify import evidence, packages
+from nightly import evidence
+from verify import packages
 
 # The packages in requirements/*.txt whose versions affect a kind.
 TOOLS = {
@@ -39,12 +40,22 @@ CHECK = re.compile(
 BENCH = ("mutants", "coverage", "powerup", "faults", "regress")  # kinds that run a block's tests
 TRUST = "tools/verify"
 OWN = {  # files of a kind that affect its results for every block
-    "faults": (f"{TRUST}/faults_driver.cpp", "model/meissner/engines/adc_parts.hpp"),
+    "faults": ("tools/nightly/faults_driver.cpp", "model/meissner/engines/adc_parts.hpp"),
     "equivalence": (
-        *(f"{TRUST}/leaves.v", f"{TRUST}/leaves_map.v"),
-        *(f"{TRUST}/carry_map.v", f"{TRUST}/defined_map.v"),
+        *("tools/nightly/leaves.v", f"{TRUST}/leaves_map.v"),
+        *("tools/nightly/carry_map.v", f"{TRUST}/defined_map.v"),
     ),
 }
+
+
+def statement(tree):
+    """The assignment to EVIDENCE among the statements of a file; None if there is none."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and [getattr(target, "id", "") for target in node.targets] == [
+            "EVIDENCE"
+        ]:
+            return node
+    return None
 
 
 @cache
@@ -56,7 +67,7 @@ def _unread(suffix, text, errors=True):
     if suffix != ".py":
         return " ".join(re.sub(r"//.*", "", text).split())
     tree = ast.parse(text)
-    if (stated := evidence.statement(tree)) is not None:
+    if (stated := statement(tree)) is not None:
         tree.body.remove(stated)
     for node in ast.walk(tree):
         if not errors and isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
@@ -236,7 +247,7 @@ def of_reader(paths):
 @cache
 def digest(block, kind):
     """Eight digits that change with what the block's evidence of ``kind`` rests on."""
-    stated = evidence.resting(block, kind)
+    stated = {block: evidence.of(block, kind)} if evidence.of(block, kind) else {}
     around = stated.get(block, {}).get("inside", [block])[0]  # the block that it is run in
     sources = toolchain.sources_of(f"msn_{around}")
     harness = _proofs(block) if kind == "formal" else _waivers(block) if kind == "coverage" else []

@@ -1,11 +1,11 @@
-"""The latency of a scanned array, term by term: the twins' clock counts, measured in tb/cop/test_array.py."""
+"""The latency of a scanned array, term by term: the twins' clock counts, measured in tb/sensor/test_array_pins.py."""
 
 from meissner.budget.terms import table
-from meissner.twins.cop.array import Array
 from meissner.twins.frontend.adc_spi import PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
+from meissner.twins.sensor.sensor_array import Array
 
 BUDGET_S = 1e-3
 LANES = (1, 2, 4, 8)
@@ -101,7 +101,9 @@ def budget(
 
     def found_with(lanes, channels):
         scan = scan_of(rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier)
-        array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock)
+        array = Array(
+            scan, Limits() if health else None, {} if tare else None, bits_per_clock=bits_per_clock
+        )
         clocks, steps = terms(array, settle)
         total = sum(clocks.values())
         assert total == steps["total"]

@@ -3,8 +3,8 @@
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED
 from meissner.scenes.results import table
-from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RED
 
 LINES = (BLUE, ORANGE, GREEN, RED, PURPLE, INK)
 

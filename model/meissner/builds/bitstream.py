@@ -71,16 +71,6 @@ def synthesise(board, config, folder):
     return stem, Counter(cell["type"] for cell in modules[board.top]["cells"].values())
 
 
-def blocks(stem):
-    """The modules in the netlist, from Yosys's report of the hierarchy before it is flattened."""
-    log = (ROOT / f"{stem}.yosys.log").read_text("utf-8")
-    seen = [
-        re.findall(r"Used module:\s+\S*?\\(msn_\w+)", part)
-        for part in log.split("Analyzing design hierarchy..")
-    ]
-    return " ".join(sorted(set([names for names in seen if names][-1])))
-
-
 def area(board, cells, report):
     """LUT (iCE40: logic cells), FF, BRAM and DSP; FFs from the netlist, since some reports lack them."""
     counts = {cell: row["used"] for cell, row in report["utilization"].items()}
@@ -176,7 +166,6 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
         **({"device": sizes[0]} if sizes[0] else {}),
         "clk_mhz": clk_mhz,
         **area(board, cells, report),
-        "blocks": blocks(stem),
         "mhz": mhz,
         "mhz_worst": min(mhz),
         "spi_out_ns": max(out for out, _ in delays) if delays[0][0] else None,

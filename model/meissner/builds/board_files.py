@@ -44,7 +44,7 @@ def top(plan):
     assigned = "\n".join(f"  assign {port} = {level};" for port, level in rest)
     return f"""// SPDX-License-Identifier: Apache-2.0
 //
-// Written by tools/synth.py: the {name} with {plan.config}, its pins and nothing else. docs/boards.md.
+// Written by tools/make/synth.py: the {name} with {plan.config}, its pins and nothing else. docs/boards.md.
 
 `include "msn_build.svh"  // the configuration
 
@@ -126,5 +126,5 @@ FORMATS = {".pcf": _pcf, ".lpf": _lpf, ".cst": _cst, ".xdc": _xdc}
 def constraints(plan, suffix):
     """The pins in the format of files with this ``suffix``."""
     remark = "//" if suffix == ".cst" else "#"
-    head = f"{remark} Written by tools/synth.py: the {plan.board.name} with {plan.config}"
+    head = f"{remark} Written by tools/make/synth.py: the {plan.board.name} with {plan.config}"
     return "\n".join([head, f"{remark} Pins: {plan.board.source}", *FORMATS[suffix](plan)]) + "\n"

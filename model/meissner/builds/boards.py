@@ -222,7 +222,7 @@ BOARDS = {
 }
 
 
-# Built with Vivado by tools/arty_a7.tcl, not here.
+# Built with Vivado by tools/make/arty_a7.tcl, not here.
 ARTY = Board(
     name="arty_a7",
     title="Arty A7-35T",

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meissner.calibration import Calibration
 from meissner.engines.protocol import Engine
 from meissner.inputs import check_codes, check_electrodes, check_forces, check_min_load, check_samples
 from meissner.names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
-from meissner.twins.frontend.am_demod import AmDemod
 from meissner.twins.slip.config import SAMPLE_BITS, SlipConfig
 
 if TYPE_CHECKING:
+    from meissner.calibration import Calibration
     from meissner.physics.cop4_config import Cop4Config
+    from meissner.twins.frontend.am_demod import AmDemod
 
 COP_ONE = 1 << 14  # 1.0 in Q2.14
 MAX_CODE = (1 << SAMPLE_BITS - 1) - 1  # the largest sample
@@ -45,7 +45,7 @@ class Watched:
 class Carrier:
     """How a carrier is measured: ``block`` skips ``skip`` samples and sums over ``periods`` full periods."""
 
-    block: AmDemod
+    block: "AmDemod"
     periods: int
     skip: int
     shift: int
@@ -114,7 +114,7 @@ def calibrate(codes, calibration, engine):
 
 
 def process_cop(
-    forces: ArrayLike, engine: str, min_load: int = 1, calibration: Calibration | None = None
+    forces: ArrayLike, engine: str, min_load: int = 1, calibration: "Calibration | None" = None
 ) -> dict[str, NDArray[Any]]:
     """The arrays of ``meissner process cop``: sum, mx, my, x, y, valid, one of each per frame.
 

@@ -1,33 +1,37 @@
-// Batch driver of the Verilated msn_calibrate_taxels, one lane: codes in, forces out.
-#include "Vmsn_calibrate_taxels.h"
-#include "Vmsn_calibrate_taxels___024root.h"
+// Batch driver of the Verilated msn_calibrate, one lane: codes in, forces out.
+#include "Vmsn_calibrate.h"
+#include "Vmsn_calibrate___024root.h"
 #include "driver.hpp"
 
 // Load `taxels` offsets and gains, then send `frames` frames of codes, one taxel per clock unless the core stalls;
 // `mask`: taxels to leave out. Returns the clocks taken, or -1 unless there was exactly one force per code.
 extern "C" int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, int32_t columns,
                                  const int64_t *offset, const int64_t *gain, const uint8_t *mask, uint16_t *forces) {
-  meissner::Driver<Vmsn_calibrate_taxels> driver;
+  meissner::Driver<Vmsn_calibrate> driver;
   auto &top = driver.top;
   auto results = driver.results(frames * taxels, [&](int64_t k) { forces[k] = top.out_data_o; });
-  top.cfg_write_i = 0;
-  top.cfg_write_row_i = 0;
-  top.cfg_swap_i = 0;
+  // msn_registers_pkg::calibrate_cfg_t without its highest member, the preset.
+  const auto set = [&](uint64_t word, uint64_t offset, uint64_t gain, uint64_t write, uint64_t swap) {
+    const uint64_t bits = word << 44 | offset << 27 | gain << 11 | write << 3 | write << 1 | swap;
+    top.cfg_i[0] = static_cast<uint32_t>(bits);
+    top.cfg_i[1] = static_cast<uint32_t>(bits >> 32);
+    top.cfg_i[2] = 0;
+  };
+  set(0, 0, 0, 0, 0);
   driver.start();
   meissner::Settings settings;
-  top.cfg_write_i = 1;
   for (int32_t k = 0; k < taxels; k++) {
-    top.cfg_word_i = k;
-    settings.put_signed(top.cfg_offset_i, offset[k], 17);
-    settings.put(top.cfg_gain_i, gain[k], 16);
+    uint64_t o, g;
+    settings.put_signed(o, offset[k], 17);
+    settings.put(g, gain[k], 16);
+    set(k, o, g, 1, 0);
     driver.clock(results);
   }
   if (!settings.ok) return meissner::kNoRoom;
-  top.cfg_write_i = 0;
-  top.cfg_swap_i = 1;
+  set(0, 0, 0, 0, 1);
   driver.clock(results);
-  top.cfg_swap_i = 0;
-  for (int i = 0; i < 100 && top.cfg_swapping_o; i++) driver.clock(results);
+  set(0, 0, 0, 0, 0);
+  for (int i = 0; i < 100 && top.status_o; i++) driver.clock(results);
   top.in_fits_i = 1;
   const auto put = [&](int64_t k) {
     const int64_t taxel = k % taxels;

@@ -83,7 +83,7 @@ def demodulate(samples, carrier):
 
 def calibrate(codes, calibration):
     """Forces of codes; ``calibration``: meissner.calibration.Calibration."""
-    from meissner.twins.frontend.calibrate_taxels import forces as calibrated
+    from meissner.twins.frontend.calibrate import forces as calibrated
 
     offset, gain, dead = calibration.offset, calibration.gain, calibration.dead
     return calibrated(codes, offset, gain, calibration.gain_shift, mask=dead)

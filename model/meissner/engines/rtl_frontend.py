@@ -43,7 +43,7 @@ def demodulate(samples, carrier):
 @verilated.cached
 def _open_calibrate(rows, columns, gain_shift):
     parameters = {"Rows": rows, "Columns": columns, "GainShift": gain_shift}
-    lib = ctypes.CDLL(str(verilated.library("msn_calibrate_taxels", "calibrate_driver.cpp", parameters)))
+    lib = ctypes.CDLL(str(verilated.library("msn_calibrate", "calibrate_driver.cpp", parameters)))
     lib.calibrate_run.restype = ctypes.c_int64
     pointer = ctypes.c_void_p
     lib.calibrate_run.argtypes = [pointer, ctypes.c_int64, *[ctypes.c_int32] * 2, *[pointer] * 4]

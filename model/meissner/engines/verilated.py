@@ -63,9 +63,6 @@ def with_make(command, environment):
     )
 
 
-compiled = with_make  # tests replace it by units.without_make (tb/conftest.py)
-
-
 def check_room(found):
     """Raise ValueError if a driver returns kNoRoom of driver.hpp: a setting is wider than its port."""
     if found == -2:
@@ -125,7 +122,7 @@ def library(top, driver, parameters, trace=False, include=None):
         place = toolchain.folder_for_make(folder.parent)
         with tempfile.TemporaryDirectory(dir=place) as scratch:
             command = ["verilator", *flags, "-Mdir", scratch]
-            done = compiled([*command, *(str(toolchain.for_make(path)) for path in inputs)], environment)
+            done = with_make([*command, *(str(toolchain.for_make(path)) for path in inputs)], environment)
             if done.returncode:
                 raise RuntimeError(f"the core did not build:\n{done.stdout}{done.stderr}")
             folder.mkdir(parents=True, exist_ok=True)

@@ -161,7 +161,7 @@ def open_line(url, baud=None):
         if kind == "core" and path and not options:
             from meissner.builds import config
             from meissner.engines.rtl_core import CoreOnPins
-            from meissner.scenes.shown import shown
+            from meissner.scenes.core_stimulus import shown
 
             build = config.load(path)
             return Pipe(CoreOnPins(build, shown(build)), url)

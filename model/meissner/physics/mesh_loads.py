@@ -1,10 +1,11 @@
 """The published mesh experiments as load arrays, and the cover that spreads a point over taxels."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from meissner.physics.mesh import Mesh
+if TYPE_CHECKING:
+    from meissner.physics.mesh import Mesh
 
 K_PAPER = 4320.0  # newton ohms: 864 ohms at 5 N
 SIX_R = (10.0, 47.0, 100.0, 150.0)  # ohms
@@ -64,12 +65,18 @@ ORIGINS = {
 class MeshScene(NamedTuple):
     """A mesh and loads [scenes, m, n] in newtons."""
 
-    mesh: Mesh
+    mesh: "Mesh"
     load: np.ndarray
 
     def truth(self):
         """Total (N), x, y of each scene's loads, [scenes] each (eq. 4, 5, 27, 28)."""
         return true_centre(self.load)
+
+
+def _published(m, n, r, load):
+    from meissner.physics.mesh import Mesh  # here: arrays of taxels use this module without a mesh
+
+    return MeshScene(Mesh(m, n, r, 10e3, 15.0, K_PAPER), load)
 
 
 def places(count, first=-1.0):
@@ -93,7 +100,7 @@ def cop_one_point(r=10.0, force=5.0):
     """41×41, one load in the middle, for the voltage surface (mesh paper, figures 5 and 7)."""
     load = np.zeros((1, 41, 41))
     load[0, 20, 20] = force
-    return MeshScene(Mesh(41, 41, r, 10e3, 15.0, K_PAPER), load)
+    return _published(41, 41, r, load)
 
 
 def cop_two_point():
@@ -101,14 +108,14 @@ def cop_two_point():
     load = np.zeros((11, 5, 5))
     load[:, 4, 0] = 10 - np.arange(11)
     load[:, 0, 4] = np.arange(11)
-    return MeshScene(Mesh(5, 5, 47.0, 10e3, 15.0, K_PAPER), load)
+    return _published(5, 5, 47.0, load)
 
 
 def cop_load():
     """5×5, r = 47 ohms: equal loads at (0, 0) and (0.5, 0.5), 0 to 10 N each in steps of 0.5 N (fig. 11)."""
     load = np.zeros((21, 5, 5))
     load[:, 2, 2] = load[:, 1, 3] = np.arange(21) / 2
-    return MeshScene(Mesh(5, 5, 47.0, 10e3, 15.0, K_PAPER), load)
+    return _published(5, 5, 47.0, load)
 
 
 def random_points(m, n, count, totals, seed, split="equal"):
@@ -131,7 +138,7 @@ def random_points(m, n, count, totals, seed, split="equal"):
 def cop_six_random(r, total, draws=100, seed=1, split="equal"):
     """41×41, six random points that share ``total`` newtons, ``draws`` times (figures 8 and 9)."""
     load = random_points(41, 41, 6, np.full(draws, float(total)), seed, split)
-    return MeshScene(Mesh(41, 41, r, 10e3, 15.0, K_PAPER), load)
+    return _published(41, 41, r, load)
 
 
 def cover_kernel(row, column, depth):
@@ -215,4 +222,4 @@ def cop_stroke(m=3, n=3, r=47.0, force=5.0, circle=0.5, steps=72, cover=COVER_RA
     The hemisphere just covers the taxels, which are as wide as their pitch: 1.5 pitches.
     """
     load = stroke(m, n, force, circle, steps, cover)
-    return MeshScene(Mesh(m, n, r, 10e3, 15.0, K_PAPER), load)
+    return _published(m, n, r, load)

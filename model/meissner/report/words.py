@@ -49,10 +49,6 @@ WORDS = {
     "left_out": Words("left out"),
     "built": Words("modelled of the core"),
     "not_built": Words("left out of the core"),
-    "scene_ms_per_s": Words("time of world and engine per simulated second", "ms"),
-    "full_ms_per_s": Words("the same with everything on", "ms"),
-    "times_faster": Words("times faster"),
-    "on": Words("recorded on"),
     "runs": Words("runs"),
     "condition": Words("condition"),
     # slip; single times are those of the shown run; onset: the first partial slip, or the start of the pull

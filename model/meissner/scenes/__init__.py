@@ -10,7 +10,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from meissner.scenes.parts import check_features
+from meissner.scenes.features import check_line
 from meissner.scenes.sensor import sensor, sensors
 from meissner.tables import naming, one_of, parse
 
@@ -60,8 +60,10 @@ def build(name, table):
         raise ValueError(f"{where}: the key 'sensor' is missing")
     with naming(where):
         one_of("sensor", table["sensor"], sensors())
-    scene = sensor(table["sensor"]).build(name, table)
-    check_features(scene)
+    own = {key: value for key, value in table.items() if key != "features"}
+    scene = sensor(table["sensor"]).build(name, own)
+    if "features" in table:
+        check_line(scene, table["features"])
     return scene
 
 

@@ -1,10 +1,11 @@
-"""The keys that every scene has, and their check: names, features; in sampled scenes converter and rate."""
+"""What every sensor's scenes and recordings share: keys, their check, and what a recording models."""
 
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from meissner import tables
 from meissner.physics.adc import PARTS, Adc
+from meissner.scenes.sensor import sensor, used
 from meissner.tables import Count, Table, one_of
 
 
@@ -13,7 +14,6 @@ class Keys(Table):
 
     title: str
     sensor: str
-    features: list[str]
 
 
 class SampledKeys(Keys):
@@ -32,12 +32,16 @@ K = TypeVar("K", bound=Keys)
 
 @dataclass(frozen=True)
 class Scene:
-    """``features``: features of the core, which decide what is built and loaded (meissner.scenes.parts)."""
+    """What every scene has."""
 
     name: str
     title: str
     sensor: str
-    features: tuple
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """The features of the core that the scene uses: only these are built and loaded."""
+        return tuple(used(self))
 
 
 @dataclass(frozen=True)
@@ -53,18 +57,27 @@ class Sampled(Scene):
         return PARTS[self.adc_part]
 
 
-def read(
-    name: str, table: dict[str, Any], kind: type[K], features: dict[str, str]
-) -> tuple[K, dict[str, Any]]:
-    """(the file of scene ``name`` as a ``kind``, the fields of Scene in it); ValueError with one sentence.
+@dataclass(frozen=True, kw_only=True)
+class Recording:
+    """What every recording has; ``modelled``: the parts of the physics in it."""
 
-    ``features``: those that its sensor can use.
-    """
-    where = f"scene {name}"
-    keys = tables.read(kind, table, where)
-    with tables.naming(where):
-        for feature in keys.features:
-            one_of("features", feature, features)
-    own = {"name": name, "title": keys.title, "sensor": keys.sensor, "features": tuple(keys.features)}
-    own |= {key: getattr(keys, key) for key in ("rate_hz", "seeds") if hasattr(keys, key)}
-    return keys, own | ({"adc_part": keys.adc} if isinstance(keys, SampledKeys) else {})
+    scene: Any
+    seed: int
+    modelled: tuple[str, ...]
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """The sensor's other COMPONENTS."""
+        return left_out(self.scene, self.modelled)
+
+
+def left_out(scene, modelled):
+    """The COMPONENTS of the scene's sensor that are not among ``modelled``."""
+    return tuple(part for part in sensor(scene.sensor).COMPONENTS if part not in modelled)
+
+
+def read(name: str, table: dict[str, Any], kind: type[K]) -> tuple[K, dict[str, Any]]:
+    """(the file of scene ``name`` as a ``kind``, the fields of Scene in it); ValueError with one sentence."""
+    keys = tables.read(kind, table, f"scene {name}")
+    own = {key: getattr(keys, key) for key in ("title", "sensor", "rate_hz", "seeds") if hasattr(keys, key)}
+    return keys, {"name": name, **own} | ({"adc_part": keys.adc} if isinstance(keys, SampledKeys) else {})

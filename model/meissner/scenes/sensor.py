@@ -8,44 +8,42 @@ from typing import Any, Protocol
 
 
 class Sensor(Protocol):
-    """The module ``scene``: its scenes and their physics."""
+    """The module ``scene``: its scenes, what they need and why, and their physics."""
 
-    COMPONENTS: tuple | dict  # parts of the physics; a scene models each or leaves it out
+    FEATURES: dict[str, str]  # {feature of the core: why a scene uses it}
+    WHY: dict[str, str]  # {part of the physics: why a scene needs it}
+    COMPONENTS: tuple[str, ...]  # those of WHY that a scene models or leaves out
 
     def build(self, name: str, table: dict) -> Any:
         """The scene in a TOML file's table; it has ``name``, ``title``, ``sensor``."""
 
-    def simulate(self, scene, *arguments, **settings) -> Any:
-        """A recording; it has ``modelled`` and ``left_out``."""
+    def uses(self, scene) -> dict[str, str]:
+        """Those of FEATURES that the scene uses; without this function it uses all."""
 
-
-class Parts(Protocol):
-    """The module ``parts``: what a scene needs and why; it imports no module that computes."""
-
-    FEATURES: dict  # {feature of the core: why a scene needs it}
-    WHY: dict  # {part of the physics: why}
-
-    def uses(self, scene) -> dict:
-        """Those of FEATURES that the scene uses."""
-
-    def modelled(self, scene) -> list[str]:
+    def modelled(self, scene) -> tuple[str, ...]:
         """Those of WHY that any of its conditions has."""
 
     def memory(self, scene) -> tuple[float, str]:
         """(bytes of its largest arrays, what they contain)."""
 
+    def simulate(self, scene, *arguments, **settings) -> Any:
+        """A recording; it has ``modelled`` and ``left_out``."""
+
 
 class Runner(Protocol):
-    """The module ``run``: runs a scene on an engine and writes a folder of results."""
+    """The module ``run``: runs a scene on an engine."""
 
-    def check(self, scene, engine: str, waves: bool) -> None:
-        """ValueError with one sentence if this engine cannot run the scene."""
+    TABLES: dict[str, str]  # {heading of a table of the report: key of its rows in the summary}
+    WAVES: bool  # engine rtl can record waves
 
-    def run(self, scene, engine: str, out: Path, seed: int, waves: bool, progress) -> dict:
-        """Write the results (meissner.scenes.results.finish) and return the summary."""
+    def run(self, scene, engine: str, seed: int, waves: Path | None, progress) -> Any:
+        """The Result (meissner.scenes.results); ``waves``: the file to record."""
 
     def tell(self, summary: dict) -> list[str]:
         """The lines that the command prints for a summary."""
+
+    def answer(self, summary: dict) -> str:
+        """The sentence that a report begins with."""
 
 
 @cache
@@ -60,9 +58,10 @@ def sensor(name) -> Sensor:
     return import_module(f"meissner.scenes.{name}.scene")
 
 
-def answer(name, summary):
-    """The sentence of the sensor's module ``verdict`` about a summary."""
-    return import_module(f"meissner.scenes.{name}.verdict").answer(summary)
+def used(scene):
+    """{feature of the core that the scene uses: why}."""
+    own = sensor(scene.sensor)
+    return own.uses(scene) if hasattr(own, "uses") else own.FEATURES
 
 
 def runner(name) -> Runner:

@@ -1,6 +1,6 @@
 """Changes of the unpublished constants of the physics, to test which conclusions survive them.
 
-tools/constants.py writes the same changes to docs/constants.md.
+docs/tradeoff.md shows the first list, docs/constants.md the second.
 """
 
 import contextlib
@@ -10,13 +10,12 @@ from meissner.physics import grip, plate, rubber
 
 
 class Change(NamedTuple):
-    """A changed constant; ``first``: first_event of the condition; ``presses``: it affects pressing, too."""
+    """A changed constant; ``first``: first_event of the condition."""
 
     name: str
     value: float
     module: object = rubber
     first: float | None = None
-    presses: bool = False
 
 
 CHANGES = (
@@ -32,8 +31,8 @@ CHANGES = (
     Change("EVENT_SPREAD", 0.2),
     Change("EVENT_SPREAD", 0.5),
     Change("first event", rubber.PUBLISHED_ONSET, first=rubber.PUBLISHED_ONSET),
-    Change("RIPPLE_N", 2 * plate.RIPPLE_N, plate, presses=True),
-    Change("RIPPLE_LIMIT_HZ", 2000.0, plate, presses=True),
+    Change("RIPPLE_N", 2 * plate.RIPPLE_N, plate),
+    Change("RIPPLE_LIMIT_HZ", 2000.0, plate),
     Change("FRICTION_SPREAD", 0.1, plate),
 )
 HELD_CHANGES = (

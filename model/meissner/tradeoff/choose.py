@@ -5,8 +5,8 @@ import tempfile
 from pathlib import Path
 
 from meissner.builds import config
-from meissner.builds.toolchain import ROOT
 from meissner.report.words import number
+from meissner.tradeoff import area
 from meissner.tradeoff.candidates import (
     AXIS,
     ERROR,
@@ -70,10 +70,9 @@ def built(needs, row):
 
 def lut_of(needs):
     """(LUTs, name) of the nearest configuration placed on the board; None without one."""
-    path = ROOT / "constraints/resources.json"
-    name = f"{needs.board}-{base_of(needs)}"
-    kept = json.loads(path.read_text("utf-8")).get(name, {}) if path.is_file() else {}
-    return (kept["lut"], name) if "lut" in kept else None
+    base = base_of(needs)
+    kept = area.of_board(needs.board, base)
+    return kept and (kept["lut"], f"{needs.board}-{base}")
 
 
 def _words(point, other):

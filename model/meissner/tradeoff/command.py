@@ -9,6 +9,7 @@ from pathlib import Path
 from meissner.files import check_out, written
 from meissner.plain import plain
 from meissner.tradeoff import sweep, table
+from meissner.tradeoff.area import recorded
 from meissner.tradeoff.points import point_of
 from meissner.tradeoff.pool import cores
 
@@ -96,8 +97,6 @@ def _tell(axes, rows, out, quick):
     page.write(out, axes, rows, facts)
     for axis in axes:
         print(f"{axis.name}: {page.verdict(axis, rows[axis.name])}")
-    for line in page.not_placed(axes, rows):
-        print(line)
     files = f"report.html, {sweep.RESULTS}, {sweep.TIMES} (measured times) and pictures"
     print(f"\nresults: {plain(out)}/{files}")
 
@@ -106,7 +105,7 @@ def _results(sweep_folder):
     """The results in a folder, or those shipped with the package."""
     if sweep_folder:
         return sweep.read(sweep_folder)
-    return json.loads(RECORD.read_text("utf-8"))
+    return recorded(RECORD, 'make figures FIGURES="tradeoff"')
 
 
 def choose(arguments):

@@ -4,7 +4,7 @@ from meissner import interval
 from meissner.files import written
 from meissner.report.page import write_html
 from meissner.report.words import number
-from meissner.tradeoff import area, draw
+from meissner.tradeoff import draw
 from meissner.tradeoff.points import command_of
 from meissner.tradeoff.sweep import figure_of
 
@@ -105,18 +105,6 @@ def beaten_by(axis, rows, row):
     return found
 
 
-def not_placed(axes, rows):
-    """Lines that list the LUT and Fmax figures that are missing or stale."""
-    entries = {
-        entry
-        for axis in axes
-        if axis.placed
-        for row in rows[axis.name]
-        if (entry := axis.placed(row["point"])) is not None
-    }
-    return area.missing(sorted(entries))
-
-
 def write(out, axes, rows, facts):
     """Write a picture of each axis and report.html into ``out``; returns the names of the files."""
     pictures, tables, names = [], {}, []
@@ -136,7 +124,5 @@ def write(out, axes, rows, facts):
     kinds = f"{len(rows)} ax{'es' if len(rows) > 1 else 'is'}"
     text = f"{count} points on {kinds}, measured; grey: dominated in all judged figures."
     text += " Columns with one value in all rows are left out."
-    if lines := not_placed(axes, rows):
-        facts = facts | {"not shown": " ".join(lines)}
     write_html(out / "report.html", facts, pictures, tables, "What accuracy costs", text)
     return [*names, "report.html"]

@@ -8,7 +8,7 @@ from meissner.files import written
 from meissner.tradeoff import area, pareto
 from meissner.tradeoff.points import command_of
 from meissner.tradeoff.pool import Pool, Task
-from meissner.tradeoff.store import Store, revision
+from meissner.tradeoff.store import Store
 
 RESULTS, TIMES = "results.json", "times.json"
 
@@ -34,6 +34,8 @@ def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print
     found, todo, stale = {}, {True: [], False: []}, 0
     for axis in axes:
         for task in wanted[axis.name]:
+            if axis.placed:
+                _placed(axis, task.point)  # refused now, not after hours, if it was never placed
             kept, current = store.read(task)
             if current:
                 found[_key(task)] = kept
@@ -42,7 +44,7 @@ def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print
                 stale += kept is not None
     count = sum(map(len, wanted.values()))
     if found or stale:
-        again = f"; {stale} are measured again, because what they rest on has changed" if stale else ""
+        again = f"; {stale} are measured again, because the package has changed" if stale else ""
         say(f"{len(found)} of {count} points are in {out} already{again}")
     problems = []
     with progress(sum(map(len, todo.values()))) if progress else nullcontext(lambda: None) as report:
@@ -73,6 +75,11 @@ def _key(task):
     return task.name, json.dumps(task.point, sort_keys=True)
 
 
+def _placed(axis, point):
+    entry = axis.placed(point)
+    return area.placed(*entry) if entry else area.NOTHING
+
+
 def _rows(axis, tasks, found):
     """Rows {"point", "cost", "error", "front", "shipped"} of the measured points, in the order of tasks."""
     rows = []
@@ -80,8 +87,7 @@ def _rows(axis, tasks, found):
         if (kept := found.get(_key(task))) is not None:
             cost = kept["cost"]
             if axis.placed:
-                entry = axis.placed(task.point)
-                cost = cost | (area.placed(*entry) if entry else area.NOTHING)
+                cost = cost | _placed(axis, task.point)
             rows.append({"point": task.point, "cost": cost, "error": kept["error"]})
     for row in rows:
         row |= {"front": False, "shipped": axis.is_shipped(row["point"])}
@@ -104,8 +110,7 @@ def _write(out, axes, rows, quick):
     for axis in axes:
         name = TIMES if axis.timed else RESULTS
         commanded = [row | {"again": command_of(axis, row["point"])} for row in rows[axis.name]]
-        of = revision(axis.error.__module__)
-        files[name][axis.name] = {"title": axis.title, "of": of, "quick": quick, "points": commanded}
+        files[name][axis.name] = {"title": axis.title, "quick": quick, "points": commanded}
     for name, fresh in files.items():
         if fresh:  # other axes of an earlier sweep are kept
             whole = dict(sorted((_entries(out / name) | fresh).items()))

@@ -6,7 +6,7 @@ import numpy as np
 
 from meissner.twins.actuate.actuate import Actuate
 from meissner.twins.frontend.health import Limits
-from meissner.twins.link.core_link import payloads
+from meissner.twins.link.link import payloads
 from meissner.twins.sensor.sensor_array import from_reset, sensor_array
 from meissner.twins.sensor.sensor_cop4 import sensor_cop4
 from meissner.twins.slip.haar import Haar
@@ -77,7 +77,7 @@ def of_channels(samples, config, moving=None, mask=None, change=None):
 def of_array(array, samples, slip=None, over=None):
     """All results of samples [frames, rows, columns]; ``slip``: SlipConfig.
 
-    ``array``: meissner.twins.cop.array.Array; it keeps its learned state between calls, as the core does.
+    ``array``: meissner.twins.sensor.sensor_array.Array; it keeps its learned state between calls, as the core does.
     """
     sensed = sensor_array(array, samples, over)
     events = slip_chain(sensed.forces, slip, mask=sensed.mask) if slip is not None else ()
@@ -98,7 +98,7 @@ def samples_of(config, codes):
 
 
 def array_of(config):
-    """meissner.twins.cop.array.Array of a configuration, as after reset."""
+    """meissner.twins.sensor.sensor_array.Array of a configuration, as after reset."""
     limits = tare = None
     if config.health:
         given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}

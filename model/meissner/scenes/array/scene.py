@@ -9,15 +9,18 @@ from msgspec import Meta
 
 from meissner.physics import mesh_loads, patches, plantar
 from meissner.scenes import base
-from meissner.scenes.array.parts import FEATURES
 from meissner.tables import Count, Positive, Table, values
 from meissner.twins.cop.cop_accumulate import sum_bits
 
-COMPONENTS = ("moving contact", "elastic cover", "taxel converter", "recorded pressures")
-_MODELLED = {
-    "patches": ("moving contact", "elastic cover", "taxel converter"),
-    "recording": ("recorded pressures",),
+FEATURES = {"cop": "position and load are compared with the forces"}
+WHY = {
+    "moving contact": "[[world.patches]]: place and force of each contact",
+    "elastic cover": "depth_pitches: spread of a patch",
+    "taxel converter": "[converter]: force to codes, with its noise",
+    "recorded pressures": "kind recording: dataset",
 }
+COMPONENTS = tuple(WHY)
+_BYTES = 8  # per taxel of a frame: codes, and the pieces that are joined
 
 Side = Annotated[int, Meta(ge=1, le=1024)]
 _Unit = Annotated[float, Meta(ge=-1, le=1)]
@@ -160,28 +163,24 @@ class Scene(base.Scene):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run: the core's input, and the ground truth.
 
     ``codes`` uint16 [frames, rows, columns]; ``load`` (in the scene's unit), ``x``, ``y`` [frames]: of the
     forces on the taxels before conversion. ``over_range``: number of taxel samples beyond full scale.
     """
 
-    scene: Scene
-    seed: int
     time_s: np.ndarray
     codes: np.ndarray
     load: np.ndarray
     x: np.ndarray
     y: np.ndarray
     over_range: int
-    modelled: tuple
-    left_out: tuple
 
 
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    keys, own = base.read(name, table, Keys, FEATURES)
+    keys, own = base.read(name, table, Keys)
     world, converter = values(keys.world), keys.converter
     if "patches" in world:
         world["patches"] = paths(world["patches"])
@@ -192,6 +191,18 @@ def build(name, table):
         kind=type(keys.world).__struct_config__.tag,
         world=world,
     )
+
+
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    return COMPONENTS[3:] if scene.kind == "recording" else COMPONENTS[:3]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    taxels = scene.rows * scene.columns
+    frames = 1000 if scene.kind == "recording" else scene.world["seconds"] * scene.rate_hz
+    return _BYTES * frames * taxels + 16 * 8 * max(1 << 20, taxels), f"{frames:.0f} frames of {taxels} taxels"
 
 
 def simulate(scene, seed=0):
@@ -219,7 +230,6 @@ def simulate(scene, seed=0):
             load[part], x[part], y[part] = mesh_loads.true_centre(force_n)
             codes[part], over = scene.converter.convert(force_n, rng)
             over_range += over
-    modelled = _MODELLED[scene.kind]
     return Recording(
         scene=scene,
         seed=seed,
@@ -229,6 +239,5 @@ def simulate(scene, seed=0):
         x=x,
         y=y,
         over_range=over_range,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=modelled(scene),
     )

@@ -5,12 +5,15 @@ from typing import NamedTuple
 import numpy as np
 
 from meissner import calibration, second_order
+from meissner.engines import COP_ONE
 from meissner.physics import capacitive, mesh_loads
 from meissner.physics.capacitive import GRAM_N, PITCH_MM
-from meissner.scenes import chain
+from meissner.report.words import fact
 from meissner.scenes.capacitive import pictures as report_arrays
 from meissner.scenes.capacitive.scene import CALIBRATION_FRAMES, PROBED_CELL, SETTLED_FRAMES, cell_mm
-from meissner.scenes.truth import errors, summarise
+from meissner.scenes.drawing import draw_even
+from meissner.scenes.errors import errors, summarise, unevenness
+from meissner.scenes.verdict import position_and_load
 
 SHARES = (0.1, 0.05, 0.01)  # shares of the output that the unselected cells may take
 HERTZ = np.logspace(4, 6.5, 251)
@@ -40,9 +43,9 @@ def calibrations(recording, codes):
     return fits
 
 
-def _terms(stage, codes, fit):
+def _terms(core, codes, fit):
     """The second-order term of every cell, from the recording that its line was fitted to."""
-    return second_order.fit(stage.calibrate(codes, fit.lines), fit.force_n)
+    return second_order.fit(core.calibrate(codes, fit.lines), fit.force_n)
 
 
 def _crosstalk(scene, codes, *_):
@@ -96,7 +99,7 @@ def _crosstalk(scene, codes, *_):
     return summary, arrays, [(report_arrays.draw_crosstalk, draw)]
 
 
-def _cell(scene, codes, recording, fits, stage):
+def _cell(scene, codes, recording, fits, core):
     """Hysteresis, sag, linearity and repeatability of a cell, all in grams.
 
     ``low_at_full_g``: how much the calibrated cell reads low at the top of the cycles; ``low_settled_g``:
@@ -104,9 +107,9 @@ def _cell(scene, codes, recording, fits, stage):
     """
     row, column = PROBED_CELL[0]
     fit = fits["probe"]
-    lines, terms = fit.lines, _terms(stage, codes["probe"], fit)
+    lines, terms = fit.lines, _terms(core, codes["probe"], fit)
     names = ("cycles", "hold", "presses", "settled")
-    forces = {name: stage.calibrate(codes[name], lines) for name in names}
+    forces = {name: core.calibrate(codes[name], lines) for name in names}
     grams = {name: f[:, row, column] * lines.force_lsb_n / GRAM_N for name, f in forces.items()}
     bent = {name: second_order.newtons(f, terms)[:, row, column] / GRAM_N for name, f in forces.items()}
     applied = {name: recording.parts[name].probe_n / GRAM_N for name in names}
@@ -185,13 +188,13 @@ def peak(x, values, reach):
     return float(middle - b / (2 * a)), float(c - b * b / (4 * a))
 
 
-def _select(scene, codes, recording, fits, stage):
+def _select(scene, codes, recording, fits, core):
     """The place where each cell responds most, and its neighbours' readings there."""
     lines = fits["probe"].lines
     cells = scene.world["cells"]
     first = (codes["steps"].shape[2] - cells) // 2
     columns = range(first, first + cells)
-    grams = stage.calibrate(codes["steps"], lines)[:, 3, list(columns)] * lines.force_lsb_n / GRAM_N
+    grams = core.calibrate(codes["steps"], lines)[:, 3, list(columns)] * lines.force_lsb_n / GRAM_N
     left = cell_mm(3, first)[0] - PITCH_MM
     x_mm = np.arange(len(grams)) * scene.world["step_mm"]
     centres = [float(cell_mm(3, column)[0] - left) for column in columns]
@@ -227,13 +230,14 @@ def _select(scene, codes, recording, fits, stage):
     return summary, arrays, [(report_arrays.draw_select, draw)]
 
 
-def _shapes(scene, codes, recording, fits, stage):
+def _shapes(scene, codes, recording, fits, core):
     """Images, their centre of pressure and load, and an even press before and after calibration."""
     images, rows, position, of_load, of_load_bent = {}, [], [], [], []
-    lines, terms = fits["even"].lines, _terms(stage, codes["even"], fits["even"])
+    lines, terms = fits["even"].lines, _terms(core, codes["even"], fits["even"])
     for name in scene.world["shapes"]:
-        forces = stage.calibrate(codes[name], lines)
-        total, x, y, valid = stage.cop(forces)
+        forces = core.calibrate(codes[name], lines)
+        found = core.cop(forces)
+        total, x, y, valid = found["sum"], found["x"] / COP_ONE, found["y"] / COP_ONE, found["valid"]
         truth = mesh_loads.true_centre(recording.parts[name].force_n)
         off, share = errors(x, y, total * lines.force_lsb_n, valid, *truth)
         position.append(off)
@@ -258,14 +262,14 @@ def _shapes(scene, codes, recording, fits, stage):
     even = {"before: codes above rest": pressed.mean(axis=0) - rest}
     for way, title in (("probe", "after, calibrated by a probe (g)"), ("even", "after, by even presses (g)")):
         one = fits[way].lines
-        even[title] = stage.calibrate(pressed, one).mean(axis=0) * one.force_lsb_n / GRAM_N
-    before, by_probe, after = (chain.unevenness(image) for image in even.values())
+        even[title] = core.calibrate(pressed, one).mean(axis=0) * one.force_lsb_n / GRAM_N
+    before, by_probe, after = (unevenness(image) for image in even.values())
     summary = {
         "position_error": summarise(np.concatenate(position)),
         "load_error": summarise(np.concatenate(of_load)),
         "load_error_second_order": summarise(np.concatenate(of_load_bent)),
         "unevenness_before": before,
-        "unevenness_codes_as_they_are": chain.unevenness(pressed.mean(axis=0)),
+        "unevenness_codes_as_they_are": unevenness(pressed.mean(axis=0)),
         "unevenness_calibrated_by_probe": by_probe,
         "unevenness_after": after,
         "conditions": rows,
@@ -277,9 +281,36 @@ def _shapes(scene, codes, recording, fits, stage):
         arrays,
         [
             (report_arrays.draw_shapes, {"images": images}),
-            (report_arrays.draw_even, {"images": even}),
+            (draw_even, {"images": even}),
         ],
     )
 
 
 ANSWERS = {"crosstalk": _crosstalk, "cell": _cell, "select": _select, "shapes": _shapes}
+
+
+def answer(summary):
+    """The sentence about a run."""
+
+    def of(key):
+        return fact(key, summary[key])
+
+    if "difference_from_eq18_v" in summary:
+        return f"The demodulated output is at most {of('difference_from_eq18_v')} off eq. 18."
+    if "sag_of_hold" in summary:
+        worst = max(row["of_the_mean"] for row in summary["conditions"])
+        return (
+            f"The reading of a held force rises by {of('sag_of_hold')} and leaves "
+            f"{of('left_after_release_g')} at its release; the same press repeats within "
+            f"{fact('of_the_mean', worst)} (standard deviation)."
+        )
+    if "peaks_apart_mm" in summary:
+        return (
+            f"Neighbouring cells peak {of('peaks_apart_mm')} apart; over a cell's centre its neighbour reads "
+            f"{of('neighbour_at_a_centre')} of it."
+        )
+    text = position_and_load(summary)
+    return (
+        f"Calibration brings the cells of an even press from {of('unevenness_before')} to "
+        f"{of('unevenness_after')} of their mean; {text[0].lower()}{text[1:]}"
+    )

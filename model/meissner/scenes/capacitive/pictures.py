@@ -1,33 +1,31 @@
-"""Pictures of array front ends: crosstalk, one cell, a stepped probe, images, a matrix with faults."""
+"""Pictures of the capacitive pad: crosstalk, one cell, a stepped probe, images."""
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.patches import Rectangle
 
 from meissner.physics import footprints
 from meissner.physics.capacitive import PITCH_MM
-from meissner.scenes.array.pictures import LINES, _figure, _plain
 from meissner.scenes.capacitive.scene import SIDE
-from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, RED
+from meissner.scenes.drawing import (
+    BLUE,
+    INK,
+    LINES,
+    MAP,
+    ORANGE,
+    RED,
+    lighten,
+    new_figure,
+    save,
+)
 
-MAP = "YlGnBu"
 MUTED = {"color": "#999999", "lw": 0.8}
 
 
-def _save(figure, path, axes=()):
-    for axis in axes:
-        _plain(axis)
-        if axis.get_legend_handles_labels()[0]:
-            axis.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=110, facecolor="white")
-    return path
-
-
 def draw_crosstalk(
-    path, scene, gain, unselected_pf, measured_v, eq18_v, hertz, leaking_v, ideal_v, leak_mohm, chosen
+    scene, path, gain, unselected_pf, measured_v, eq18_v, hertz, leaking_v, ideal_v, leak_mohm, chosen
 ):
     """The published figure 2 with the demodulated output; the carrier's frequency as a compromise."""
-    figure = _figure(13, 5, f"{scene.name}: {scene.title}")
+    figure = new_figure(13, 5, f"{scene.name}: {scene.title}")
     left, right = figure.subplots(1, 2)
     for k, pf in enumerate(unselected_pf):
         colour = LINES[k % len(LINES)]
@@ -50,12 +48,12 @@ def draw_crosstalk(
         f"leakage of the cell, {max(unselected_pf):g} pF unselected, gain-bandwidth {product_mhz:g} MHz",
         fontsize=11,
     )
-    return _save(figure, path, (left, right))
+    save(figure, path, (left, right))
 
 
-def draw_cell(path, scene, rise, cycles, noise_g, hold_s, hold, hold_g, held_s, steps, presses):
+def draw_cell(scene, path, rise, cycles, noise_g, hold_s, hold, hold_g, held_s, steps, presses):
     """The published figures 5, 6 and 7."""
-    figure = _figure(14, 5, f"{scene.name}: {scene.title}")
+    figure = new_figure(14, 5, f"{scene.name}: {scene.title}")
     loop, sag, repeat = figure.subplots(1, 3)
     half = len(rise) // 2
     for k, one in enumerate(cycles):
@@ -82,7 +80,7 @@ def draw_cell(path, scene, rise, cycles, noise_g, hold_s, hold, hold_g, held_s, 
     close.set(xlim=(0, held_s), ylim=(0.94 * hold_g, 1.06 * hold_g))
     close.axhline(hold_g, **MUTED)
     close.tick_params(labelsize=8)
-    _plain(close)
+    lighten(close)
     for step, values, colour in zip(steps, presses.T, LINES):
         repeat.plot(
             np.arange(1, len(values) + 1), values, "o-", color=colour, ms=3.5, lw=0.8, label=f"{step:g} g"
@@ -93,15 +91,15 @@ def draw_cell(path, scene, rise, cycles, noise_g, hold_s, hold, hold_g, held_s, 
     )
     repeat.set_ylim(0, 1.35 * max(steps))
     for axis in (loop, sag, repeat):
-        _plain(axis)
+        lighten(axis)
     loop.legend(frameon=False, fontsize=9)
     repeat.legend(frameon=False, fontsize=9, ncols=3, loc="upper center")
-    return _save(figure, path)
+    save(figure, path)
 
 
-def draw_select(path, scene, x_mm, grams, codes, peaks, centres):
+def draw_select(scene, path, x_mm, grams, codes, peaks, centres):
     """The published figure 8: a curve per cell, raw and calibrated."""
-    figure = _figure(13, 5, f"{scene.name}: {scene.title}")
+    figure = new_figure(13, 5, f"{scene.name}: {scene.title}")
     raw, axis = figure.subplots(1, 2)
     for k, (values, (place, height), centre) in enumerate(zip(grams.T, peaks, centres)):
         colour = LINES[k % len(LINES)]
@@ -113,7 +111,7 @@ def draw_select(path, scene, x_mm, grams, codes, peaks, centres):
     raw.set(xlabel="place of the probe (mm)", ylabel="demodulated code", title="before calibration")
     axis.set(xlabel="place of the probe (mm)", ylabel="calibrated cell (g)", title="after")
     axis.set_ylim(0, 1.25 * grams.max())
-    return _save(figure, path, (raw, axis))
+    save(figure, path, (raw, axis))
 
 
 def _bars(axis, image, top):
@@ -132,10 +130,10 @@ def _bars(axis, image, top):
     axis.set_box_aspect((1, 1, 0.45), zoom=1.1)
 
 
-def draw_shapes(path, scene, images):
+def draw_shapes(scene, path, images):
     """Each object's outline over the image it makes, and the image as bars."""
     count = len(images)
-    figure = _figure(2.5 * count, 5.6, f"{scene.name}: {scene.title}")
+    figure = new_figure(2.5 * count, 5.6, f"{scene.name}: {scene.title}")
     top = max(image.max() for image in images.values())
     half_mm = SIDE / 2 * PITCH_MM
     for k, (name, image) in enumerate(images.items()):
@@ -146,76 +144,4 @@ def draw_shapes(path, scene, images):
         axis.set(xlim=(-half_mm, half_mm), ylim=(-half_mm, half_mm), xticks=[], yticks=[], title=name)
         _bars(figure.add_subplot(2, count, count + k + 1, projection="3d"), image, top)
     figure.colorbar(shown, ax=figure.axes, label="calibrated cell (g)", shrink=0.5, pad=0.02)
-    return _save(figure, path)
-
-
-def draw_even(path, scene, images):
-    """The image of an even press before and after calibration, each as a share of its own mean."""
-    figure = _figure(4.4 * len(images) + 1, 4.3, f"{scene.name}: an even press")
-    axes = figure.subplots(1, len(images))
-    limit = 0.0
-    shares = {}
-    for name, image in images.items():
-        values = np.ma.masked_invalid(image)
-        shares[name] = 100 * (values / values.mean() - 1)
-        limit = max(limit, np.abs(shares[name]).max())
-    for axis, (name, share) in zip(axes, shares.items()):
-        shown = axis.imshow(share, cmap="PuOr", vmin=-limit, vmax=limit)
-        axis.set_facecolor("#BBBBBB")
-        axis.set_title(f"{name}\nlargest {np.abs(share).max():.2f} % off the mean", fontsize=10)
-        axis.set(xticks=[], yticks=[])
-    figure.colorbar(shown, ax=axes, label="off the mean of all cells (%)", shrink=0.85)
-    return _save(figure, path)
-
-
-def _image(axis, values, top, title):
-    shown = axis.imshow(values, cmap=MAP, vmin=0, vmax=top, interpolation="nearest")
-    axis.set_facecolor("#BBBBBB")
-    axis.set_title(title, fontsize=10)
-    axis.set(xticks=[], yticks=[])
-    return shown
-
-
-def draw_matrix(path, scene, recording, force_n, result, truth):
-    """The frame with the largest load as applied, converted and calibrated; x, y and load over time."""
-    x, y, load_n, valid = result
-    figure = _figure(13, 7.6, f"{scene.name}: {scene.title}")
-    upper, lower = figure.subfigures(2, 1, height_ratios=[1.25, 1])
-    pressed, raw, calibrated = upper.subplots(1, 3)
-    k = recording.shown
-    top = recording.force_n[k].max()
-    shown = _image(pressed, recording.force_n[k], top, "what presses")
-    upper.colorbar(shown, ax=(pressed, calibrated), label="N", shrink=0.8, location="right")
-    _image(raw, recording.codes[k], recording.codes[k].max(), "codes")
-    _image(calibrated, force_n[k], top, "calibrated, dead cells 0")
-    for fault in scene.faults:
-        place = (-0.5, fault.row - 0.5, scene.columns, 1)
-        if fault.kind == "open column":
-            place = (fault.column - 0.5, -0.5, 1, scene.rows)
-        elif fault.kind != "dead row":
-            place = (fault.column - 1.5, fault.row - 1.5, 3, 3)
-        for axis in (raw, calibrated):
-            axis.add_patch(Rectangle(place[:2], *place[2:], fill=False, ec=RED, lw=1.2))
-    where, load = lower.subplots(1, 2)
-    total, true_x, true_y = truth
-    for name, got, true, colour in (("x", x, true_x, BLUE), ("y", y, true_y, ORANGE)):
-        where.plot(recording.time_s, np.where(valid, got, np.nan), color=colour, lw=1.8, label=name)
-        where.plot(recording.time_s, np.where(total > 0, true, np.nan), color=INK, lw=0.8)
-    where.set(xlabel="time (s)", ylabel="centre of pressure", ylim=(-1.05, 1.05), title="thin: truth")
-    load.plot(recording.time_s, load_n, color=GREEN, lw=1.8, label="reported")
-    load.plot(recording.time_s, total, color=INK, lw=0.8, label="truth")
-    load.set(xlabel="time (s)", ylabel="load (N)", title="load")
-    load.set_ylim(0, 1.1 * max(load_n.max(), total.max()))
-    return _save(figure, path, (where, load))
-
-
-def draw_ghosts(path, scene, recording):
-    """The same frame read in four ways, without faults; each as a share of its largest reading."""
-    figure = _figure(15, 4.2, f"{scene.name}: the same press, read in four ways")
-    axes = figure.subplots(1, 1 + len(recording.readings))
-    force_n = recording.force_n[recording.shown]
-    _image(axes[0], 100 * force_n / force_n.max(), 100, "what presses")
-    for axis, (way, volts) in zip(axes[1:], recording.readings.items()):
-        shown = _image(axis, 100 * volts / volts.max(), 100, f"{way[0]},\nunselected rows {way[1]}")
-    figure.colorbar(shown, ax=axes, label="of the largest (%)", shrink=0.8)
-    return _save(figure, path)
+    save(figure, path)

@@ -1,14 +1,17 @@
 """Running a scene of the capacitive pad: demodulate carriers, calibrate, compare with the paper."""
 
-import time
+from functools import partial
 
 from meissner import scenes
-from meissner.scenes import chain
-from meissner.scenes.capacitive.judge import ANSWERS, calibrations
-from meissner.scenes.chain import check  # noqa: F401 - as of every array
-from meissner.scenes.results import finish, table
-from meissner.scenes.truth import percent
+from meissner.scenes.capacitive.judge import ANSWERS, answer, calibrations
+from meissner.scenes.errors import percent
+from meissner.scenes.results import Result, head, numbered, table
+from meissner.scenes.timed import TimedEngine
 
+__all__ = ["TABLES", "WAVES", "answer", "run", "tell"]
+
+TABLES = {"Results": "conditions"}
+WAVES = False
 # What each picture shows, by the function that draws it.
 SHOWN = {
     "draw_crosstalk": "output over the amplifier's gain, eq. 18 and demodulated; error over the carrier",
@@ -19,32 +22,24 @@ SHOWN = {
 }
 
 
-def measure(scene, engine, seed, progress=list):
-    """Run the scene once: summary, arrays of the result, and [(drawing function, its arguments)]."""
-    recording = scenes.simulate(scene, seed)
-    stage = chain.Chain(engine, scene.features)
+def run(scene, engine, seed, waves=None, progress=list):
+    """The Result of the scene, which runs once."""
+    recording, core = scenes.simulate(scene, seed), TimedEngine(engine, scene.features)
     codes = {}
     for name, part in progress(list(recording.parts.items())):
-        codes[name] = stage.demodulate(part.samples, scene.carrier)
+        codes[name] = core.demodulate(part.samples, scene.carrier)
     fits = calibrations(recording, codes)
-    answer, arrays, drawings = ANSWERS[scene.kind](scene, codes, recording, fits, stage)
+    found, arrays, drawings = ANSWERS[scene.kind](scene, codes, recording, fits, core)
     parts = recording.parts.values()
     seconds = sum(len(part.samples) / part.rate_hz for part in parts)
-    summary = stage.summary(scene, recording, seconds, sum(len(part.samples) for part in parts))
-    return summary | answer, arrays, drawings
-
-
-def run(scene, engine, out, seed, waves, progress):
-    """Run the scene once; write results to ``out``; return the summary."""
-    began = time.perf_counter()
-    summary, arrays, drawings = measure(scene, engine, seed, progress)
-    pictures = []
-    for k, (draw, what) in enumerate(drawings):
-        path = out / f"{scene.name}{f'_{k + 1}' if k else ''}.png"
-        pictures.append((draw(path, scene, **what), scene.title, SHOWN[draw.__name__]))
-    return finish(
-        scene, summary, out, arrays, pictures, {"Results": summary["conditions"]}, began, ("conditions",)
-    )
+    summary = head(scene, core, seed, seconds, recording.modelled) | {
+        "over_range": recording.over_range,
+        "runs": 1,
+        "seeds": [seed, seed],
+        "frames": sum(len(part.samples) for part in parts),
+    }
+    drawn = [(partial(draw, scene, **what), scene.title, SHOWN[draw.__name__]) for draw, what in drawings]
+    return Result(summary | found, arrays, numbered(drawn))
 
 
 def tell(summary):

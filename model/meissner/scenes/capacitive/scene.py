@@ -16,28 +16,30 @@ from meissner.physics import capacitive, footprints, mesh_loads
 from meissner.physics.adc import Adc
 from meissner.physics.capacitive import GRAM_N, PITCH_MM
 from meissner.scenes import base
-from meissner.scenes.capacitive.parts import FEATURES
 from meissner.tables import Positive, Table, one_of, values
 from meissner.twins.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod
 
-COMPONENTS = (
-    "cells and amplifier",
-    "carrier",
-    "converter",
-    "spread of the parts",
-    "tabs of rubber",
-    "cover",
-    "droop and sag",
-    "placement of the probe",
-    "leakage",
-)
-_PAD = ("cells and amplifier", "carrier", "converter", "spread of the parts", "tabs of rubber", "cover")
-_MODELLED = {
-    "crosstalk": ("cells and amplifier", "carrier", "converter", "leakage"),
-    "cell": (*_PAD, "droop and sag", "placement of the probe"),
-    "select": _PAD,
-    "shapes": _PAD,
+FEATURES = {
+    "demod": "the readings are amplitudes of carriers, which [readout] sets",
+    "calibrate": "readings are compared in grams",
+    "cop": "position and load of the objects are compared with the forces",
 }
+_USED = {"crosstalk": 1, "cell": 2, "select": 2, "shapes": 3}
+WHY = {
+    "cells and amplifier": "gain, drive_v, stray_pf: capacitance to amplitude",
+    "carrier": "samples_per_period, periods, skip: the signal that is demodulated",
+    "converter": "bits, full_scale_v, noise_v",
+    "spread of the parts": "spread that calibration removes",
+    "tabs of rubber": "force to capacitance",
+    "cover": "how far a press spreads to neighbours",
+    "droop and sag": "kind cell: hold_s and rest_s",
+    "placement of the probe": "kind cell: placement_mm",
+    "leakage": "kind crosstalk: leak_mohm",
+}
+COMPONENTS = tuple(WHY)
+_PAD = COMPONENTS[:6]
+_MODELLED = {"crosstalk": (*_PAD[:3], "leakage"), "cell": (*_PAD, "droop and sag", "placement of the probe")}
+_BYTES = 20  # per sample of a carrier: codes, volts and noise
 
 FORMS = {"rectifier": RECTIFIER, "synchronous": IQ, "synchronous estimate": IQ_FAST}
 _Grams = Annotated[float, Meta(gt=0, le=150)]
@@ -122,6 +124,7 @@ CALIBRATION_G = np.linspace(0.0, 150.0, 7)
 # Frames at each force: of a probe on each cell, an even press, a probe left on the cell of kind cell.
 CALIBRATION_FRAMES, EVEN_FRAMES, SETTLED_FRAMES = 6, 24, 64
 CHOSEN_FRAMES = 16  # frames of the crosstalk at the scene's own gain
+_CALIBRATED = len(CALIBRATION_G) * (SIDE**2 * CALIBRATION_FRAMES + EVEN_FRAMES)
 ORIGINS = {
     "SIDE": ("published", "002, fabrication: 8 x 8", "all images"),
     "HOLD_HZ": ("chosen", "figure 6 prints no rate", "when the first reading after a release is: 0.5 s"),
@@ -175,20 +178,16 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run. ``parts``: by name, including "even" and "probe" for calibration; ``over_range``: samples."""
 
-    scene: Scene
-    seed: int
     parts: dict
     over_range: int
-    modelled: tuple
-    left_out: tuple
 
 
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    keys, own = base.read(name, table, Keys, FEATURES)
+    keys, own = base.read(name, table, Keys)
     readout = values(keys.readout)
     full_v = readout["full_scale_v"]
     block = AmDemod(FORMS[readout["form"]], readout["samples_per_period"])
@@ -341,6 +340,32 @@ _KINDS = {"cell": _cell, "select": _select, "shapes": _shapes, "crosstalk": _cro
 CALIBRATED_BY = {"cell": ("probe",), "select": ("probe",), "shapes": ("probe", "even")}
 
 
+def uses(scene):
+    """The features that the scene uses, each with the reason."""
+    return {name: FEATURES[name] for name in list(FEATURES)[: _USED[scene.kind]]}
+
+
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    return _MODELLED.get(scene.kind, _PAD)
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    world, frames = scene.world, _CALIBRATED
+    if scene.kind == "crosstalk":
+        points = len(world["gains"]) * len(world["unselected_pf"])
+        return _BYTES * 200 * points * scene.carrier.samples, f"{points} readings"
+    if scene.kind == "cell":
+        frames += world["cycles"] * world["rate_hz"] + 2 * (world["hold_s"] + world["rest_s"])
+        frames += len(world["steps_g"]) * world["presses"]
+    elif scene.kind == "select":
+        frames += 10 * (world["cells"] + 1) / world["step_mm"]
+    else:
+        frames += world["frames"] * (1 + len(world["shapes"]))
+    return _BYTES * frames * SIDE**2 * scene.carrier.samples, f"{frames:.0f} frames of {SIDE**2} carriers"
+
+
 def simulate(scene, seed=0):
     """Run the scene with one seed, which draws the parts' spread, the noise and the probe's places."""
     world = _World(scene, seed)
@@ -351,12 +376,10 @@ def simulate(scene, seed=0):
         else:
             parts[way] = world.probed(EVERY_CELL, CALIBRATION_G, CALIBRATION_FRAMES)
     parts |= _KINDS[scene.kind](world, scene)
-    modelled = _MODELLED[scene.kind]
     return Recording(
         scene=scene,
         seed=seed,
         parts=parts,
         over_range=world.over_range,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=modelled(scene),
     )

@@ -1,18 +1,22 @@
 """Running a scene of a resistive matrix: codes calibrated on an engine, compared with the true forces."""
 
-import time
+from functools import partial
 
 import numpy as np
 
 from meissner import calibration, interval, scenes
+from meissner.engines import COP_ONE
 from meissner.physics import mesh_loads
-from meissner.scenes import chain
-from meissner.scenes.capacitive import pictures as report_arrays
-from meissner.scenes.chain import check  # noqa: F401 - as of every array
+from meissner.scenes.drawing import draw_even
+from meissner.scenes.errors import errors, percent, summarise, unevenness
+from meissner.scenes.fsr import pictures
 from meissner.scenes.fsr.scene import broken_cells
-from meissner.scenes.results import finish, table
-from meissner.scenes.truth import errors, percent, summarise
+from meissner.scenes.results import Result, head, numbered, table
+from meissner.scenes.timed import TimedEngine
+from meissner.scenes.verdict import count, position_and_load
 
+TABLES = {"Ways to read it": "conditions"}
+WAVES = False
 FAINT = 0.02  # share of the largest force: a cell with less counts as unpressed
 SHOWN = (
     "the frame with the largest load as pressed, as converted and as calibrated; position and load over time",
@@ -45,17 +49,17 @@ def ghosts(recording):
     return rows
 
 
-def measure(scene, engine, seed):
-    """Run the scene once: summary, arrays of the result, and the data for the pictures."""
-    recording = scenes.simulate(scene, seed)
-    stage = chain.Chain(engine, scene.features)
+def run(scene, engine, seed, waves=None, progress=list):
+    """The Result of the scene, which runs once."""
+    recording, core = scenes.simulate(scene, seed), TimedEngine(engine, scene.features)
     presses, force_n = recording.parts["calibration"]
     lines, residual_n = calibration.fit(presses, force_n)
     broken = broken_cells(scene)
     min_load = round(scene.min_load_n / lines.force_lsb_n)
-    forces = stage.calibrate(recording.codes, lines)
-    total, x, y, valid = stage.cop(forces, min_load)
-    load_n = total * lines.force_lsb_n
+    forces = core.calibrate(recording.codes, lines)
+    found = core.cop(forces, min_load)
+    x, y, valid = found["x"] / COP_ONE, found["y"] / COP_ONE, found["valid"]
+    load_n = found["sum"] * lines.force_lsb_n
     truth = mesh_loads.true_centre(recording.force_n)
     position, of_load = errors(x, y, load_n, valid, *truth)
     # Errors against the forces on working cells only: without the effect of broken cells.
@@ -65,9 +69,13 @@ def measure(scene, engine, seed):
     pressed, _ = recording.parts["even"]
     rest = presses[force_n[:, 0, 0] == 0].mean(axis=0)
     before = pressed.mean(axis=0) - rest
-    after = stage.calibrate(pressed, lines).mean(axis=0) * lines.force_lsb_n
+    after = core.calibrate(pressed, lines).mean(axis=0) * lines.force_lsb_n
     rows = ghosts(recording)
-    summary = stage.summary(scene, recording, len(recording.codes) / scene.rate_hz, len(recording.codes)) | {
+    summary = head(scene, core, seed, len(recording.codes) / scene.rate_hz, recording.modelled) | {
+        "over_range": recording.over_range,
+        "runs": 1,
+        "seeds": [seed, seed],
+        "frames": len(recording.codes),
         "position_error": summarise(position),
         "load_error": summarise(of_load[valid]),
         "position_error_of_working_cells": summarise(position_rest),
@@ -81,8 +89,8 @@ def measure(scene, engine, seed):
         else None,
         "dead_falsely": interval.rate(int((lines.dead & ~broken).sum()), int((~broken).sum())),
         "dead_as_injected": bool((lines.dead == broken).all()),
-        "unevenness_before": chain.unevenness(before, lines.dead),
-        "unevenness_after": chain.unevenness(after, lines.dead),
+        "unevenness_before": unevenness(before, lines.dead),
+        "unevenness_after": unevenness(after, lines.dead),
         "conditions": rows,
     }
     arrays = {
@@ -105,22 +113,16 @@ def measure(scene, engine, seed):
         "even_after": after,
     }
     drawn = recording, forces * lines.force_lsb_n, (x, y, load_n, valid), truth
-    return summary, arrays, drawn
-
-
-def run(scene, engine, out, seed, waves, progress):
-    """Run the scene once; write results to ``out``; return the summary."""
-    began = time.perf_counter()
-    summary, arrays, drawn = measure(scene, engine, seed)
-    recording, dead = drawn[0], arrays["dead"]
-    first = report_arrays.draw_matrix(out / f"{scene.name}.png", scene, *drawn)
-    named = {"before: codes above rest": "even_before", "after calibration (N)": "even_after"}
-    masked = {name: np.where(dead, np.nan, arrays[image]) for name, image in named.items()}
-    second = report_arrays.draw_even(out / f"{scene.name}_2.png", scene, masked)
-    third = report_arrays.draw_ghosts(out / f"{scene.name}_3.png", scene, recording)
-    pictures = [(picture, scene.title, shown) for picture, shown in zip((first, second, third), SHOWN)]
-    tables = {"Ways to read it": summary["conditions"]}
-    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions",))
+    even = {"before: codes above rest": before, "after calibration (N)": after}
+    masked = {name: np.where(lines.dead, np.nan, image) for name, image in even.items()}
+    draws = (
+        lambda path: pictures.draw_matrix(scene, path, *drawn),
+        partial(draw_even, scene, images=masked),
+        partial(pictures.draw_ghosts, scene, recording=recording),
+    )
+    return Result(
+        summary, arrays, numbered([(draw, scene.title, shown) for draw, shown in zip(draws, SHOWN)])
+    )
 
 
 def tell(summary):
@@ -142,3 +144,12 @@ def tell(summary):
         "",
         *table(summary["conditions"]),
     ]
+
+
+def answer(summary):
+    """The sentence about a run: position, load, and the cells found dead."""
+    text = position_and_load(summary)[:-1]
+    as_injected = "those injected" if summary["dead_as_injected"] else "not all as injected"
+    if summary["dead"] or not summary["dead_as_injected"]:
+        text += f"; {count(summary['dead'], 'cell was', 'cells were')} found dead, {as_injected}"
+    return text + "."

@@ -12,19 +12,24 @@ from meissner.physics.adc import Adc
 from meissner.scenes import base
 from meissner.scenes.array import scene as cop
 from meissner.scenes.array.scene import Patches, Side
-from meissner.scenes.fsr.parts import FEATURES
-from meissner.tables import Count, Positive, Table, one_of, read, values
+from meissner.tables import Count, Positive, Table, naming, one_of, read, values
 
-COMPONENTS = (
-    "moving contact",
-    "elastic cover",
-    "cell resistance",
-    "spread of the cells",
-    "drift under load",
-    "resistor network",
-    "converter",
-    "faults",
-)
+FEATURES = {
+    "calibrate": "cells are compared in newtons after a calibration with calibrate_n",
+    "cop": "position and load are compared with the forces",
+}
+WHY = {
+    "moving contact": "[[world.patches]]: place and force of each contact",
+    "elastic cover": "depth_pitches: spread of a patch",
+    "cell resistance": "material: force to resistance",
+    "spread of the cells": "spread that calibration removes",
+    "drift under load": "material: drift that calibration cannot remove",
+    "resistor network": "[readout]: the cells share their lines",
+    "converter": "[converter]: volts to codes, with its noise",
+    "faults": "[[faults]]",
+}
+COMPONENTS = tuple(WHY)
+_BYTES = 80  # per cell of a frame: forces, conductances, volts, codes, in doubles
 
 
 class ArrayKeys(Table):
@@ -72,9 +77,6 @@ class World(Table):
 
 class _Fault(Table):
     kind: str
-
-    def __post_init__(self):
-        one_of("kind", self.kind, fsr.FAULTS)
 
 
 class CellFault(_Fault):
@@ -136,7 +138,7 @@ class Scene(base.Scene):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run; ``codes`` int32 and ``force_n``, newtons on each cell, both [frames, rows, columns].
 
     ``parts``: codes and forces of the presses for calibration ("calibration") and of an even press ("even").
@@ -144,8 +146,6 @@ class Recording:
     ``alone``: the conductances of that frame.
     """
 
-    scene: Scene
-    seed: int
     time_s: np.ndarray
     codes: np.ndarray
     force_n: np.ndarray
@@ -154,11 +154,11 @@ class Recording:
     alone: np.ndarray
     shown: int
     over_range: int
-    modelled: tuple
-    left_out: tuple
 
 
 def _fault(where, row, rows, columns):
+    with naming(where):
+        one_of("kind", row.get("kind"), fsr.FAULTS)
     row = values(read(_OF_LINES.get(row.get("kind"), CellFault), row, where))
     for key, count in (("row", rows), ("column", columns)):
         if not 0 <= row.get(key, 0) < count:
@@ -168,7 +168,7 @@ def _fault(where, row, rows, columns):
 
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    keys, own = base.read(name, table, Keys, FEATURES)
+    keys, own = base.read(name, table, Keys)
     array, converter, supply_v = keys.array, keys.converter, keys.readout.supply_v
     size, at = (array.rows, array.columns), f"scene {name}, [[faults]]"
     return Scene(
@@ -215,6 +215,19 @@ class _World:
         return self.codes(self.conductance(force_n)), force_n
 
 
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    return COMPONENTS if scene.faults else COMPONENTS[:-1]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    presses = CALIBRATION_STEPS * CALIBRATION_FRAMES + EVEN_FRAMES
+    frames = presses + scene.world["seconds"] * scene.rate_hz
+    cells = scene.rows * scene.columns
+    return _BYTES * frames * cells, f"{frames:.0f} frames of {cells} cells"
+
+
 def simulate(scene, seed=0):
     """Run the scene with one seed, which draws the spread of the cells and the noise."""
     world, table = _World(scene, seed), scene.world
@@ -243,7 +256,6 @@ def simulate(scene, seed=0):
                 scene.readout.load_ohm,
             )
             readings[circuit, unselected] = fsr.output_volts(siemens[shown], readout)
-    modelled = COMPONENTS if scene.faults else COMPONENTS[:-1]
     return Recording(
         scene=scene,
         seed=seed,
@@ -255,8 +267,7 @@ def simulate(scene, seed=0):
         alone=siemens[shown],
         shown=shown,
         over_range=world.over_range,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=modelled(scene),
     )
 
 

@@ -4,14 +4,23 @@ import numpy as np
 
 from meissner.engines import COP_ONE
 from meissner.physics.grip import FULL_SCALE_V
-from meissner.scenes.array.pictures import _figure, _plain
-from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RED
+from meissner.scenes.drawing import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    PURPLE,
+    RED,
+    lighten,
+    new_figure,
+    save,
+)
 
 
-def draw(path, recording, found, decisions, verdict):
+def draw(recording, found, decisions, verdict, path):
     """Load output, position output, forces and the object's displacement over time."""
     scene, held, time_s = recording.scene, recording.held, recording.time_s
-    figure = _figure(11, 7.5, f"{scene.name}: {recording.condition.name}, seed {recording.seed}")
+    figure = new_figure(11, 7.5, f"{scene.name}: {recording.condition.name}, seed {recording.seed}")
     load, place, force = figure.subplots(3, 1, sharex=True)
     reported = np.where(found.pressed, found.load * scene.config.load_lsb_n, np.nan)
     load.plot(time_s, reported, color=BLUE, lw=1.8, label="load output")
@@ -39,18 +48,17 @@ def draw(path, recording, found, decisions, verdict):
         for name, when_s, look in marks:
             if when_s is not None:
                 axis.axvline(when_s, label=name if axis is load else None, **look)
-        _plain(axis)
+        lighten(axis)
         axis.margins(x=0)
     for axis, where in ((load, "upper right"), (place, "upper right"), (force, "upper left")):
         axis.legend(frameon=False, fontsize=9, loc=where)
     moved.legend(frameon=False, fontsize=9, loc="center left")
-    figure.savefig(path, dpi=110, facecolor="white")
-    return path
+    save(figure, path)
 
 
-def draw_ways(path, scene, ways):
+def draw_ways(scene, ways, path):
     """Every slip's reported direction beside the true one; ``ways``: (true, reported or None) in degrees."""
-    figure = _figure(5.5, 5.5, f"{scene.name}: direction of slip")
+    figure = new_figure(5.5, 5.5, f"{scene.name}: direction of slip")
     axis = figure.add_subplot(projection="polar")
     for index, true_deg in enumerate(dict.fromkeys(true for true, _ in ways)):
         label = "truth" if index == 0 else None
@@ -60,5 +68,4 @@ def draw_ways(path, scene, ways):
     axis.set_yticks([])
     axis.set_ylim(0, 1)
     axis.legend(frameon=False, fontsize=9, loc="lower left", bbox_to_anchor=(-0.12, -0.12))
-    figure.savefig(path, dpi=110, facecolor="white")
-    return path
+    save(figure, path)

@@ -1,30 +1,29 @@
 """Running a scene of an object held on the four-wire sensor: each condition and seed, against the truth."""
 
-import time
+from functools import partial
 
 import numpy as np
 
 from meissner import engines, scenes
-from meissner.engines.stages import Stages
+from meissner.engines.features import function
 from meissner.physics.grip import FULL_SCALE_V
+from meissner.report.words import fact
+from meissner.scenes.errors import errors, percent, summarise
 from meissner.scenes.grip import pictures as report_cop_slip
 from meissner.scenes.grip.scene import Pull
-from meissner.scenes.mesh.run import mismatches
-from meissner.scenes.rates import rates
-from meissner.scenes.rates import tell as tell_rates
-from meissner.scenes.results import check_waves, finish, head, table
-from meissner.scenes.truth import errors, percent, summarise
+from meissner.scenes.results import Picture, Result, head, table
+from meissner.scenes.slip_rates import rates
+from meissner.scenes.slip_rates import tell as tell_rates
+from meissner.scenes.timed import TimedEngine, mismatches
+from meissner.scenes.verdict import slips
 from meissner.twins.cop.cop_slip import octants
 
+TABLES = {"Conditions": "conditions"}
+WAVES = True
 AFTER_S = 0.02  # length of waves.vcd after the flag
 BEFORE_S = 0.02  # rest before the onset: the baseline of load drop and move
 
 SHOWN = "load output, position output and forces over time, with the pull's beginning, the flag and the move"
-
-
-def check(scene, engine, waves):
-    """ValueError with one sentence if this engine cannot run the scene."""
-    check_waves(engine, waves)
 
 
 def judge(recording, decisions):
@@ -112,24 +111,17 @@ def _summary(values):
     return summarise(np.array([value for value in values if value is not None], dtype=float))
 
 
-def run(scene, engine, out, seed, waves, progress):
-    """Run every condition with its seeds; write results to ``out``; return the summary."""
-    began = time.perf_counter()
-    module, twin_module = (Stages(name, scene.features) for name in (engine, "fixed"))
+def run(scene, engine, seed, waves, progress):
+    """The Result of every condition with its seeds."""
+    core = TimedEngine(engine, scene.features)
     settings = scene.config, scene.lag, scene.registers
     seeds = range(seed, seed + scene.seeds)
     verdicts = {condition: [] for condition in scene.conditions}
     shown, facts, wrong_place, wrong_load, wrong_felt = {}, [], [], [], []
-    wrong, samples, engine_s = 0, 0, 0.0
-    module.cop_slip(np.zeros((1, 4), dtype=np.int64), *settings)  # built and warm before it is timed
+    samples = 0
     for condition, number in progress([(c, n) for c in scene.conditions for n in seeds]):
         recording = scenes.simulate(scene, condition, number)
-        started = time.perf_counter()
-        found, decisions = module.cop_slip(recording.codes, *settings)
-        engine_s += time.perf_counter() - started
-        if engine in engines.VERILATED:
-            twins = twin_module.cop_slip(recording.codes, *settings)
-            wrong += mismatches((*found, *decisions), [field for twin in twins for field in twin])
+        found, decisions = core.cop_slip(recording.codes, *settings)
         samples += len(recording.codes)
         x, y = found.x / engines.COP_ONE, found.y / engines.COP_ONE
         load = found.load * scene.config.load_lsb_n
@@ -150,10 +142,10 @@ def run(scene, engine, out, seed, waves, progress):
     if waves:  # the shown run, until shortly after its flag
         flag_s = recording.time_s[-1] if first["flag_s"] is None else first["flag_s"]
         part = slice(0, round((flag_s + AFTER_S) * scene.rate_hz))
-        seen = module.cop_slip(recording.codes[part], *settings, out / "waves.vcd")
-        wrong += mismatches(*([field[part] for one in pair for field in one] for pair in (seen, told)))
+        seen = function(engine, "cop_slip")(recording.codes[part], *settings, waves)
+        core.differences += mismatches(seen, tuple(tuple(array[part] for array in one) for one in told))
     summary = {
-        **head(scene, engine, seed, samples / scene.rate_hz, samples, engine_s, wrong, recording),
+        **head(scene, core, seed, samples / scene.rate_hz, recording.modelled),
         **{key: first[key] for key in ("onset_s", "flag_s", "delay_s", "gross_s", "direction_deg")},
         **{key: sum(row[key] for row in rows) for key in ("missed", "late", "false_alarms")},
         **rates(every),
@@ -170,10 +162,8 @@ def run(scene, engine, out, seed, waves, progress):
         "seeds": [seeds[0], seeds[-1]],
         "conditions": rows,
     }
-    pictures, arrays = [], {}
-    for index, (condition, one) in enumerate(shown.items()):
-        path = report_cop_slip.draw(out / f"{scene.name}_{index + 1}.png", *one, verdicts[condition][0])
-        pictures.append((path, condition.name, SHOWN))
+    arrays = {}
+    for index, one in enumerate(shown.values()):
         arrays |= {f"c{index}_{name}": values for name, values in _arrays(*one).items()}
     ways = [
         (condition.direction_deg, verdict["direction_deg"])
@@ -182,9 +172,12 @@ def run(scene, engine, out, seed, waves, progress):
         for verdict in verdicts[condition]
     ]
     pulled = "; ".join(condition.name for condition in scene.conditions if isinstance(condition, Pull))
-    picture = report_cop_slip.draw_ways(out / f"{scene.name}.png", scene, ways)
-    pictures.insert(0, (picture, pulled, "the reported direction of each slip beside the true one"))
-    return finish(scene, summary, out, arrays, pictures, {"Conditions": rows}, began, ("conditions",))
+    draw = partial(report_cop_slip.draw_ways, scene, ways)
+    pictures = [Picture("", draw, pulled, "the reported direction of each slip beside the true one")]
+    for number, (condition, one) in enumerate(shown.items(), 1):
+        draw = partial(report_cop_slip.draw, *one, verdicts[condition][0])
+        pictures.append(Picture(f"_{number}", draw, condition.name, SHOWN))
+    return Result(summary, arrays, pictures)
 
 
 def _arrays(recording, found, decisions):
@@ -229,3 +222,12 @@ def tell(summary):
         "",
         *table(summary["conditions"]),
     ]
+
+
+def answer(summary):
+    """The sentence about a run: its slips, and their direction."""
+    text = slips(summary, "the pull began", "the object moved")
+    if summary["direction_error_deg"] is None:
+        return text
+    worst = fact("direction_error_deg", summary["direction_error_deg"]["maximum"])
+    return f"{text[:-1]}; the reported direction is at most {worst} off."

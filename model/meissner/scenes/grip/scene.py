@@ -12,13 +12,26 @@ from meissner.physics import grip, mesh_loads, plate
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Solution
 from meissner.scenes import base
-from meissner.scenes.grip.parts import FEATURES
 from meissner.scenes.mesh.scene import electrodes
 from meissner.tables import Count, Positive, Table, naming, one_of, values
 from meissner.twins.cop.cop_slip import CopSlipRegisters
 
-_BASE = ("resistor mesh", "taxel resistance", "converter", "grip")
-COMPONENTS = (*_BASE, "pull", "plate friction", "rubber shear", "moment of the pull")
+FEATURES = {
+    "cop4": "slip is detected in the electrodes' position and load",
+    "cop_slip": "its flag and direction are judged; [slip] configures it",
+}
+WHY = {
+    "resistor mesh": "[mesh]: the sensor, loads to voltages",
+    "taxel resistance": "k_n_ohm: force to resistance",
+    "converter": "[converter]: voltages to codes, with its noise",
+    "grip": "grip_n: force that holds the object",
+    "pull": "[[world.pulls]]",
+    "plate friction": "material of a pull: when the object moves",
+    "rubber shear": "fall of the load output under a pull",
+    "moment of the pull": "move of the position before the object moves",
+}
+COMPONENTS = tuple(WHY)
+_BYTES = 32  # per taxel of a sample: loads applied and felt
 
 
 class PullKeys(Table):
@@ -114,12 +127,10 @@ class Scene(base.Scene):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run: ``codes`` [samples, 4]; ground truth: ``load`` (N), ``x``, ``y`` [samples] of the forces."""
 
-    scene: Scene
     condition: Pull | Grip
-    seed: int
     time_s: np.ndarray
     codes: np.ndarray
     solution: Solution
@@ -127,14 +138,12 @@ class Recording:
     load: np.ndarray
     x: np.ndarray
     y: np.ndarray
-    modelled: tuple
-    left_out: tuple
 
 
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
-    keys, own = base.read(name, table, Keys, FEATURES)
+    keys, own = base.read(name, table, Keys)
     mesh = keys.mesh.mesh(keys.mesh.r_ohm)
     config = four_wires.config(where, mesh, keys.converter, keys.load)
     with naming(f"{where}, [cop_slip]"):
@@ -145,6 +154,20 @@ def build(name, table):
     return Scene(
         **own, config=config, lag=lag, registers=registers, world=world, conditions=tuple(conditions)
     )
+
+
+def modelled(scene, conditions=None):
+    """The parts of the physics that the scene has, or some of its conditions."""
+    pulled = any(isinstance(condition, Pull) for condition in conditions or scene.conditions)
+    return COMPONENTS if pulled else COMPONENTS[:4]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    mesh = scene.config.mesh
+    longest_s = max(scene.duration_s(condition) for condition in scene.conditions)
+    samples, taxels = longest_s * scene.rate_hz, mesh.m * mesh.n
+    return _BYTES * samples * taxels, f"{samples:.0f} samples of {taxels} taxels"
 
 
 def simulate(scene, condition, seed=0, side=0):
@@ -179,7 +202,6 @@ def simulate(scene, condition, seed=0, side=0):
     pressing, felt = grip.loads(held, mesh.m, mesh.n, world["pitch_mm"], depth, direction_deg, rng)
     solution = mesh.solve(felt)
     load, x, y = mesh_loads.true_centre(pressing)
-    modelled = COMPONENTS if pulled else _BASE
     return Recording(
         scene=scene,
         condition=condition,
@@ -191,6 +213,5 @@ def simulate(scene, condition, seed=0, side=0):
         load=load,
         x=x,
         y=y,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=modelled(scene, [condition]),
     )

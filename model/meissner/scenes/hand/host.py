@@ -28,8 +28,8 @@ def grip_n(vc_v):
 class Host:
     """The hosts of all runs of a condition; ``vc_v`` [runs]: before the first cycle."""
 
-    def __init__(self, scene, condition, stage, vc_v):
-        self.scene, self.condition, self.stage, self.vc_v = scene, condition, stage, vc_v
+    def __init__(self, scene, condition, reflexes, vc_v):
+        self.scene, self.condition, self.reflexes, self.vc_v = scene, condition, reflexes, vc_v
         self.threshold = None
         self.follow, self.look = (self._cycles(seconds) for seconds in (FOLLOW_S, LOOK_S))
         self.share, self.calm_share = scene.steps["step_share"], scene.steps["calm_share"]
@@ -48,7 +48,7 @@ class Host:
         """Write the registers before the samples of ``cycle``."""
         if cycle % self.follow == 0:
             self.threshold = self.scene.threshold(self.condition, self.vc_v)
-            self.stage.compare_with(self.threshold)
+            self.reflexes.compare_with(self.threshold)
         if self.share and cycle % self.look == 0:
             closing_mm = grip_n(self.vc_v) / GRIP_N_MM
             if self.seen is not None:
@@ -59,7 +59,7 @@ class Host:
             closing = closing_mm / self.condition.count_mm
             steps = np.rint(np.where(calm, self.calm_share, self.share) * closing)
             decays = np.where(calm, np.rint(self.calm_decay * closing), self.decay)
-            self.stage.answer_by(np.maximum(steps, 1).astype(np.int64), decays.astype(np.int64))
+            self.reflexes.answer_by(np.maximum(steps, 1).astype(np.int64), decays.astype(np.int64))
 
     def read(self, vc_v, command):
         """Take Vc and the command after a cycle; both [runs]."""

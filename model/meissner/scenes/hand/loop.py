@@ -11,12 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meissner.engines import rtl_hand, verilated
 from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
 from meissner.scenes.hand.host import Host
 from meissner.scenes.hand.scene import grasp
-from meissner.twins.actuate.actuate import ActuateConfig
 from meissner.twins.actuate.finger_health import FingerHealth
 from meissner.twins.actuate.grip import Grip
 from meissner.twins.slip.haar import Haar
@@ -101,7 +99,7 @@ class Windows:
         return parts, ends, fresh
 
 
-class Stage:
+class Reflexes:
     """Slip path and reflex for both fingers of all runs: they answer the codes of each cycle.
 
     ``parts``: (slip path class, grip class); ``starts``: the initial command of each run.
@@ -139,31 +137,37 @@ class Stage:
 
 
 class Cores:
-    """As Stage, with a Verilated core for each run; the twins run beside them and supply the detail."""
+    """As Reflexes, with a Verilated core for each run; the twins run beside them and supply the detail."""
 
-    core = rtl_hand.Core
+    @staticmethod
+    def core(*arguments):
+        from meissner.engines import rtl_hand  # here: a loop on the twins needs no builder
+
+        return rtl_hand.Core(*arguments)
 
     def __init__(self, config, settings, starts, adc, block):
-        self.twin = Stage((FixedSlip, Grip), config, settings, starts, adc)
+        from meissner.twins.actuate.actuate import ActuateConfig
+
+        self.twin = Reflexes((FixedSlip, Grip), config, settings, starts, adc)
         actuate = ActuateConfig(settings, adc.min_code, adc.max_code)
         self.cores = [self.core(2, config, actuate, block, start) for start in starts]
         self.windows = Windows(2 * len(starts), config.window >> config.level)
         self.mismatches = np.zeros(len(starts), dtype=np.int64)
 
     def compare_with(self, threshold):
-        """As Stage.compare_with."""
+        """As Reflexes.compare_with."""
         self.twin.compare_with(threshold)
         for core, value in zip(self.cores, threshold):
             core["slip.threshold"] = value
 
     def answer_by(self, steps, decays):
-        """As Stage.answer_by."""
+        """As Reflexes.answer_by."""
         self.twin.answer_by(steps, decays)
         for core, step, decay in zip(self.cores, steps, decays):
             core["grip.step"], core["grip.decay"] = step, decay
 
     def next(self, codes):
-        """As Stage.next."""
+        """As Reflexes.next."""
         detail, _, expected = self.twin.next(codes)
         found = [core.next(pair) for core, pair in zip(self.cores, codes.reshape(len(self.cores), 2, -1))]
         overs, words = [over for over, _, _ in found], [word for _, _, word in found]
@@ -178,7 +182,11 @@ class Cores:
 class Netlists(Cores):
     """As Cores, with the core's netlist."""
 
-    core = staticmethod(verilated.of_gates(rtl_hand.Core))
+    @staticmethod
+    def core(*arguments):
+        from meissner.engines import rtl_hand, verilated
+
+        return verilated.of_gates(rtl_hand.Core)(*arguments)
 
 
 def answer(reflex, parts, ends, healthy):
@@ -261,10 +269,10 @@ def hold(scene, condition, seeds, parts):
     settings = scene.grip_config(condition)
     starts = [scene.start(condition, one.closing_mm) for one in grasps]
     given = config, settings, starts, scene.adc
-    stage = Stage(parts, *given) if isinstance(parts, tuple) else parts(*given, block)
+    reflexes = Reflexes(parts, *given) if isinstance(parts, tuple) else parts(*given, block)
     goal = np.array([one.closing_mm for one in grasps])
     noise, adc = _Noise(scene, seeds, number), scene.adc
-    host = Host(scene, condition, stage, rubber.rest_volts(GRIP_N_MM * goal))
+    host = Host(scene, condition, reflexes, rubber.rest_volts(GRIP_N_MM * goal))
     cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
     dead = np.inf if condition.dead_s is None else condition.dead_s
     since = scene.world["hold_from_s"]
@@ -285,7 +293,7 @@ def hold(scene, condition, seeds, parts):
         if time_s >= dead:
             codes[:] = adc.max_code
         host.write(cycle)
-        detail, counts, words = stage.next(codes)
+        detail, counts, words = reflexes.next(codes)
         increment = np.array([word.increment for word in words])
         command = np.array([word.command for word in words])
         host.read(codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, command)
@@ -323,5 +331,5 @@ def hold(scene, condition, seeds, parts):
     tug_ratio = tug_ratio / tugged if tugged else np.full(runs, np.nan)
     return Held(
         *(hand.dropped, hand.slid_mm.mean(axis=1), sag_mm, ring_mm, moved_mm),
-        *(tight, false, faults, ratio / max(held, 1), tug_ratio, trace, stage.mismatches),
+        *(tight, false, faults, ratio / max(held, 1), tug_ratio, trace, reflexes.mismatches),
     )

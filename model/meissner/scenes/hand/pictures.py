@@ -2,8 +2,17 @@
 
 import numpy as np
 
-from meissner.scenes.array.pictures import _figure, _plain
-from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RED
+from meissner.scenes.drawing import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    PURPLE,
+    RED,
+    lighten,
+    new_figure,
+    save,
+)
 
 COLUMNS = 3000  # of the picture; with more cycles, each column has their least and greatest
 
@@ -15,10 +24,10 @@ def _thin(trace):
     return trace.time_s[starts], lambda x, of: of.reduceat(x, starts)
 
 
-def draw(path, scene, condition, seed, trace):
+def draw(scene, condition, seed, trace, path):
     """Draw the strip charts; ``trace``: scenes.hand.loop.Trace of the run with ``seed``."""
     time_s, thin = _thin(trace)
-    figure = _figure(11, 8, f"{scene.name}: {condition.name}, seed {seed}")
+    figure = new_figure(11, 8, f"{scene.name}: {condition.name}, seed {seed}")
     force, detail, place = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 3))
     force.plot(time_s, thin(trace.normal_n, np.maximum), color=BLUE, lw=1.5, label="grip force")
     force.plot(
@@ -54,8 +63,7 @@ def draw(path, scene, condition, seed, trace):
     place.set(ylabel="position (mm)", xlabel="time (s)")
     place.set_ylim(bottom=min(0.0, 1.2 * (total - rest).min()), top=max(0.05, 1.3 * (total - rest).max()))
     for axis in (force, detail, place):
-        _plain(axis)
+        lighten(axis)
         axis.margins(x=0)
         axis.legend(frameon=False, fontsize=9, loc="lower left" if axis is detail else "upper left", ncols=4)
-    figure.savefig(path, dpi=110, facecolor="white")
-    return path
+    save(figure, path)

@@ -1,19 +1,26 @@
 """Running a hand's scene in closed loop: each condition with its seeds; drops, slip and grip."""
 
 import time
+from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 
 from meissner import interval
+from meissner.report.words import number
 from meissner.scenes.hand import loop, pictures
-from meissner.scenes.results import check_waves, finish, head, table
+from meissner.scenes.hand.scene import AT_ONCE, modelled
+from meissner.scenes.results import Picture, Result, head, table
+from meissner.scenes.verdict import count
 from meissner.twins.actuate.grip import Grip
+
+TABLES = {"Conditions": "conditions"}
+WAVES = False  # its cores record no signals
 
 SHOWN = (
     "grip force and the least that holds the object, the Haar detail of both fingers, and the object's "
     "downward displacement"
 )
-AT_ONCE = 50  # runs that advance together
 # An engine's part of the loop; both have the reflex in integers (docs/grip_scenes.md explains it).
 PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip)}
 PARTS |= {"rtl": loop.Cores, "gate": loop.Netlists}
@@ -30,13 +37,6 @@ KEYS = (
     "tug_ratio",
 )
 WITHIN = 1.2  # times the least grip that friction allows: the target of the hold
-
-
-def check(scene, engine, waves):
-    """ValueError with one sentence if this engine cannot run the scene."""
-    check_waves(engine, waves)
-    if waves:
-        raise ValueError(f"--waves is not available for {scene.name}: its engines record no signals")
 
 
 def statistics(condition, found):
@@ -74,8 +74,8 @@ def joined(helds):
     return {key: np.concatenate([getattr(held, key) for held in helds]) for key in KEYS}
 
 
-def run(scene, engine, out, seed, waves, progress):
-    """Run every condition with its seeds; write results to ``out``; return the summary."""
+def run(scene, engine, seed, waves, progress):
+    """The Result of every condition with its seeds."""
     began = time.perf_counter()
     helds = {condition: [] for condition in scene.conditions}
     batches = [
@@ -90,11 +90,15 @@ def run(scene, engine, out, seed, waves, progress):
     runs = sum(row["runs"] for row in rows)
     kept = [row for row in rows if row["grip_ratio_mean"] is not None]
     simulated = sum(row["runs"] * scene.duration_s(one) for row, one in zip(rows, scene.conditions))
-    samples = 2 * simulated * scene.rate_hz
     compared = [held.mismatches for several in helds.values() for held in several]
-    mismatches = None if compared[0] is None else int(np.concatenate(compared).sum())
+    core = SimpleNamespace(  # as TimedEngine: here the hand's physics are within the time, too
+        engine=engine,
+        samples=2 * simulated * scene.rate_hz,
+        taken_s=time.perf_counter() - began,
+        differences=None if compared[0] is None else int(np.concatenate(compared).sum()),
+    )
     summary = {
-        **head(scene, engine, seed, simulated, samples, time.perf_counter() - began, mismatches, scene),
+        **head(scene, core, seed, simulated, modelled(scene)),
         "dropped_rate": interval.rate(sum(row["dropped"] for row in rows), runs),
         "tightenings": sum(row["tightenings"] for row in rows),
         "false_tightenings": sum(row["false_tightenings"] for row in rows),
@@ -109,11 +113,11 @@ def run(scene, engine, out, seed, waves, progress):
     shown, arrays = [], {}
     for index, condition in enumerate(scene.conditions):
         trace = helds[condition][0].trace
-        path = pictures.draw(out / f"{scene.name}_{index + 1}.png", scene, condition, seed, trace)
-        shown.append((path, condition.name, SHOWN))
+        draw = partial(pictures.draw, scene, condition, seed, trace)
+        shown.append(Picture(f"_{index + 1}", draw, condition.name, SHOWN))
         arrays |= {f"c{index}_{name}": values for name, values in vars(trace).items()}
         arrays |= {f"c{index}_runs_{name}": values for name, values in found[condition].items()}
-    return finish(scene, summary, out, arrays, shown, {"Conditions": rows}, began, ("conditions",))
+    return Result(summary, arrays, shown)
 
 
 def tell(summary):
@@ -131,3 +135,19 @@ def tell(summary):
             f"{summary['moved_mm_max']:.3f} mm, of which slip at most {summary['slip_mm_max']:.4f} mm"
         )
     return [*lines, "", *table(summary["conditions"])]
+
+
+def answer(summary):
+    """The sentence about the runs: drops, and the grip of those that held."""
+    rate, runs = summary["dropped_rate"], count(summary["runs"], "run")
+    if rate["count"] == rate["runs"]:
+        return f"The object was dropped in every one of {runs}."
+    text = (
+        "Nothing was dropped" if not rate["count"] else f"The object was dropped in {number(rate['count'])}"
+    )
+    return (
+        f"{text} {'in' if not rate['count'] else 'of'} {runs} (95 % interval up to "
+        f"{number(100 * rate['high'])} %); the grip was at most {number(summary['grip_ratio_mean'])} times "
+        f"the least grip that friction allows, in the mean of a condition, while the object slipped by at "
+        f"most {number(summary['slip_mm_max'])} mm."
+    )

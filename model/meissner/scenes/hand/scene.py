@@ -13,24 +13,30 @@ from meissner.physics.rubber import SUPPLY_V
 from meissner.physics.slide import G_MM_S2
 from meissner.physics.stepped import HEAL_S
 from meissner.scenes import base
-from meissner.scenes.hand.parts import FEATURES
 from meissner.scenes.rubber.scene import Event
 from meissner.tables import Positive, Share, Table, naming, one_of, values
 from meissner.twins.actuate.grip import BOOST_BITS, TOP, GripConfig
 from meissner.twins.slip.config import SlipConfig
 
-COMPONENTS = (
-    "rubber divider",
-    "shear step",
-    "partial slip that begins again",
-    "friction of two contacts",
-    "slide with inertia",
-    "position servo with ripple",
-    "grip's compliance",
-    "changing mass",
-    "tug",
-    "adc",
-)
+FEATURES = {
+    "slip": "the reflex reads its windows; [slip] configures it",
+    "grip": "it closes the loop; [grip] configures it",
+}
+WHY = {
+    "rubber divider": "the sensor of each finger",
+    "shear step": "the object's weight shears the rubber",
+    "partial slip that begins again": "first_event and heal_s: events that the reflex answers",
+    "friction of two contacts": "material and friction_spread",
+    "slide with inertia": "whether and how far the object falls",
+    "position servo with ripple": "the hand that carries out the command",
+    "grip's compliance": "closing to force",
+    "changing mass": "poured_kg",
+    "tug": "tugs",
+    "adc": "adc: Vc to codes, with its noise",
+}
+COMPONENTS = tuple(WHY)
+AT_ONCE = 50  # runs that advance together
+_CYCLE_BYTES, _SAMPLE_BYTES = 1000, 64
 
 _STEPS = ("step_share", "calm_share", "guard_s", "calm_decay_share")
 CYCLES_MS = (1, 2, 5, 10)
@@ -161,15 +167,6 @@ class Scene(base.Sampled):
     world: dict
     conditions: tuple
 
-    @property
-    def left_out(self):
-        """The COMPONENTS that the scene does not ask for."""
-        return ("changing mass",) * (not self.world["poured_kg"]) + ("tug",) * (not self.world["tugs"])
-
-    @property
-    def modelled(self):
-        return tuple(part for part in COMPONENTS if part not in self.left_out)
-
     def duration_s(self, condition):
         return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
 
@@ -236,7 +233,7 @@ class Scene(base.Sampled):
 
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    keys, own = base.read(name, table, Keys, FEATURES)
+    keys, own = base.read(name, table, Keys)
     world = values(keys.world)
     rows = [values(row) for row in world.pop("conditions")]
     given = ({key: value for key, value in row.items() if value is not UNSET} for row in rows)
@@ -246,6 +243,19 @@ def build(name, table):
         with naming(f"scene {name}"):
             scene.slip_config(condition), scene.grip_config(condition)
     return scene
+
+
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    off = {"changing mass": not scene.world["poured_kg"], "tug": not scene.world["tugs"]}
+    return tuple(part for part in COMPONENTS if not off.get(part))
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    cycles = sum(1000 * scene.duration_s(one) / one.cycle_ms for one in scene.conditions)
+    runs = min(AT_ONCE, scene.seeds)
+    return _CYCLE_BYTES * cycles + _SAMPLE_BYTES * runs * scene.rate_hz, f"{cycles:.3g} control cycles"
 
 
 def grasp(scene, condition, seed):

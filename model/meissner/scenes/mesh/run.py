@@ -5,14 +5,18 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
-from meissner.engines.stages import Stages
-from meissner.scenes.array import pictures as report_cop
-from meissner.scenes.locus import circle
+from meissner.scenes.errors import errors, percent, summarise
+from meissner.scenes.mesh import pictures
 from meissner.scenes.mesh.scene import CONVERTER
-from meissner.scenes.results import check_waves, finish, head, table
-from meissner.scenes.truth import errors, percent, summarise
+from meissner.scenes.results import Picture, Result, head, table
+from meissner.scenes.timed import TimedEngine, mismatches
+from meissner.scenes.verdict import position_and_load as answer
 
-# What the picture of a scene's kind shows (report_cop.draw_mesh).
+__all__ = ["TABLES", "WAVES", "answer", "circle", "run", "tell"]
+
+TABLES = {"Errors": "conditions", "Bounds of the solver": "solver", "Locus": "locus"}
+WAVES = True
+# What the picture of a scene's kind shows (pictures.draw_mesh).
 SHOWN = {
     "points": "reported place and load against the true ones, and their errors",
     "surface": "voltage of layer A, the whole layer for the first r and the loaded row for each r",
@@ -22,9 +26,26 @@ SHOWN = {
 }
 
 
-def check(scene, engine, waves):
-    """ValueError with one sentence if this engine cannot run the scene."""
-    check_waves(engine, waves)
+def circle(x, y):
+    """The least-squares circle of points [n] and their deviation from it.
+
+    ``centre_x``, ``centre_y``, ``radius``; ``deviation``: standard deviation of the points' radii;
+    ``roundness``: the largest radius less the smallest, over the mean radius. Kasa's linear fit; ValueError
+    unless at least three points are not on a line.
+    """
+    x, y = np.asarray(x, float), np.asarray(y, float)
+    terms = np.stack([x, y, np.ones_like(x)], axis=1)
+    (a, b, _), _, rank, _ = np.linalg.lstsq(terms, x * x + y * y, rcond=1e-9)
+    if rank < 3:
+        raise ValueError("a circle needs three points that are not on a line")
+    radii = np.hypot(x - a / 2, y - b / 2)
+    return {
+        "centre_x": float(a / 2),
+        "centre_y": float(b / 2),
+        "radius": float(radii.mean()),
+        "deviation": float(radii.std()),
+        "roundness": float(np.ptp(radii) / radii.mean()),
+    }
 
 
 def _response_s(recording, load):
@@ -46,13 +67,17 @@ def _position_response_s(recording, x, y):
     return float((start + away[-1] if len(away) else start) / rate_hz - world["start_s"])
 
 
-def reported(recording, engine):
-    """x, y, load (N), valid [samples] and the core's ``Cop4``; float takes voltages and has None for it."""
-    if engine == "float":
-        return *engines.load(engine).cop4_of_volts(recording.solution), None
-    got = Stages(engine, recording.scene.features).cop4(recording.codes, recording.config)
-    lsb_n = recording.config.load_lsb_n
-    return got.x / engines.COP_ONE, got.y / engines.COP_ONE, got.load * lsb_n, got.pressed, got
+def reported(recording, core):
+    """x, y, load (N), valid [samples] by a TimedEngine; float takes the voltages."""
+    if core.engine == "float":
+        started = time.perf_counter()
+        found = engines.load("float").cop4_of_volts(recording.solution)
+        core.taken_s += time.perf_counter() - started
+        core.samples += recording.codes.size
+        return found
+    found = core.cop4(recording.codes, recording.config)
+    x, y = found.x / engines.COP_ONE, found.y / engines.COP_ONE
+    return x, y, found.load * recording.config.load_lsb_n, found.pressed
 
 
 def certified(recordings):
@@ -63,23 +88,12 @@ def certified(recordings):
     return {"position": place, "load": load, "condition": float(max(s.condition.max() for s in solutions))}
 
 
-def mismatches(ours, twin):
-    """Samples that differ from the twin's in any field."""
-    return int(np.any([a != b for a, b in zip(ours, twin)], axis=0).sum())
-
-
-def run(scene, engine, out, seed, waves, progress):
-    """Run every r of the scene; write results to ``out``; return the summary."""
-    began = time.perf_counter()
-    recordings = scenes.simulate(scene, seed)
-    reported(recordings[0], engine)  # built and warm before it is timed
-    engine_s, wrong, runs, rows = 0.0, 0, [], []
+def run(scene, engine, seed, waves, progress):
+    """The Result of every r of the scene."""
+    recordings, core = scenes.simulate(scene, seed), TimedEngine(engine, scene.features)
+    runs, rows = [], []
     for recording in progress(recordings):
-        started = time.perf_counter()
-        x, y, load, valid, core = reported(recording, engine)
-        engine_s += time.perf_counter() - started
-        if engine in engines.VERILATED:
-            wrong += mismatches(core, reported(recording, "fixed")[-1])
+        x, y, load, valid = reported(recording, core)
         truth = recording.load, recording.x, recording.y
         position, of_load = errors(x, y, load, valid, *truth)
         runs.append({"x": x, "y": y, "load": load, "valid": valid, "position": position, "of_load": of_load})
@@ -100,10 +114,10 @@ def run(scene, engine, out, seed, waves, progress):
     unused = [CONVERTER] if engine == "float" else []
     if waves:  # samples of the first r, up to the greatest load
         part = slice(0, int(np.argmax(runs[0]["load"])) + 1)
-        seen = engines.load(engine).cop4(first.codes[part], first.config, out / "waves.vcd")
-        wrong += mismatches(seen, engines.load("fixed").cop4(first.codes[part], first.config))
+        seen = engines.load(engine).cop4(first.codes[part], first.config, waves)
+        core.differences += mismatches(seen, engines.load("fixed").cop4(first.codes[part], first.config))
     summary = {
-        **head(scene, engine, seed, samples / scene.rate_hz, samples, engine_s, wrong, first),
+        **head(scene, core, seed, samples / scene.rate_hz, first.modelled),
         "modelled": [part for part in first.modelled if part not in unused],
         "left_out": [*unused, *first.left_out],
         "position_error": summarise(everything["position"]),
@@ -124,10 +138,8 @@ def run(scene, engine, out, seed, waves, progress):
         summary["position_response_s"] = round(_position_response_s(first, runs[0]["x"], runs[0]["y"]), 9)
     if scene.kind == "stroke":
         summary["locus"] = circle(runs[0]["x"], runs[0]["y"])
-    picture = report_cop.draw_mesh(out / f"{scene.name}.png", recordings, runs)
     kind = "surface" if scene.kind == "points" and len(first.load) == 1 else scene.kind
     condition = f"{scene.title}, r = {' and '.join(f'{r.r_ohm:g}' for r in recordings)} Ω"
-    pictures = [(picture, condition, SHOWN[kind])]
     arrays = {}
     for recording, one in zip(recordings, runs):
         prefix = f"r{recording.r_ohm:g}_" if len(runs) > 1 else ""
@@ -148,10 +160,11 @@ def run(scene, engine, out, seed, waves, progress):
         "true_y": first.y,
         "felt_load": first.felt_n,
     }
-    tables = {"Errors": rows, "Bounds of the solver": [summary["solver"]]}
-    if "locus" in summary:
-        tables["Locus"] = [summary["locus"]]
-    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "locus", "solver"))
+
+    def draw(path):
+        pictures.draw_mesh(path, recordings, runs)
+
+    return Result(summary, arrays, [Picture("", draw, condition, SHOWN[kind])])
 
 
 def tell(summary):

@@ -12,21 +12,20 @@ from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh, Solution
 from meissner.physics.mesh_loads import SETTLED
 from meissner.scenes import base
-from meissner.scenes.mesh.parts import FEATURES
 from meissner.tables import Count, Positive, Table, naming, values
 
 CONVERTER = "converter"  # modelled for every engine except float, which takes the voltages
-COMPONENTS = (
-    *("resistor mesh", "taxel resistance", CONVERTER),
-    *("random points", "rubber response", "hemispherical cover"),
-)
-_ADDED = {
-    "points": (),
-    "random": ("random points",),
-    "pulse": ("rubber response",),
-    "stroke": ("hemispherical cover",),
+FEATURES = {"cop4": "position and load of the electrodes are compared with the forces"}
+WHY = {
+    "resistor mesh": "[mesh]: the sensor, loads to voltages",
+    "taxel resistance": "k_n_ohm: force to resistance",
+    "converter": "[converter]: voltages to codes, with its noise",
+    "random points": "kind random: count and draws",
+    "rubber response": "kind pulse: response_s",
+    "hemispherical cover": "kind stroke: cover_radius",
 }
-
+COMPONENTS = tuple(WHY)
+_BYTES = 32  # per taxel of a sample: forces, felt loads, and the places above 0
 _Newtons = Annotated[float, Meta(ge=0, le=1e6)]
 _Steps = Annotated[int, Meta(ge=1, le=10**6)]
 _Unit = Annotated[float, Meta(ge=-1, le=1)]
@@ -119,17 +118,15 @@ class Scene(base.Scene):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One condition: ``solution``, the mesh under the load that the taxels feel, and the true forces.
 
     ``codes`` [samples, 4]: its electrodes converted with ``config``. ``load`` (N), ``x``, ``y`` [samples]:
     of the forces; ``felt_n``: the load that the taxels feel, which lags if the rubber's response is modelled.
     """
 
-    scene: Scene
     r_ohm: float
     config: Cop4Config
-    seed: int
     time_s: np.ndarray
     solution: Solution
     codes: np.ndarray
@@ -137,8 +134,6 @@ class Recording:
     x: np.ndarray
     y: np.ndarray
     felt_n: np.ndarray
-    modelled: tuple
-    left_out: tuple
 
 
 def _taxel(where, scene_rows, scene_columns, at):
@@ -153,7 +148,7 @@ def _taxel(where, scene_rows, scene_columns, at):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
-    keys, own = base.read(name, table, Keys, FEATURES)
+    keys, own = base.read(name, table, Keys)
     mesh, world = keys.mesh, values(keys.world)
     configs = (four_wires.config(where, mesh.mesh(r), keys.converter, keys.load) for r in mesh.r_ohm)
     if "points" in world:
@@ -213,11 +208,26 @@ def electrodes(solution):
     return np.stack([solution.E1, solution.E2, solution.E3, solution.E4], axis=1)
 
 
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    added = {"random": (COMPONENTS[3],), "pulse": (COMPONENTS[4],), "stroke": (COMPONENTS[5],)}
+    return COMPONENTS[:3] + added.get(scene.kind, ())
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    world, taxels = scene.world, scene.rows * scene.columns
+    if scene.kind == "random":
+        samples = world["draws"] * len(world["totals_n"])
+    else:
+        samples = world["seconds"] * scene.rate_hz if scene.kind == "pulse" else world["steps"]
+    return _BYTES * samples * taxels, f"{samples:.0f} loads of {taxels} taxels"
+
+
 def simulate(scene, seed=0):
     """A list with a Recording for each r; the seed draws random points and the converter's noise."""
     true, felt = loads(scene, seed)
     load, x, y = mesh_loads.true_centre(true)
-    modelled = (*COMPONENTS[:3], *_ADDED[scene.kind])
     recordings = []
     for number, (r_ohm, config) in enumerate(zip(scene.r_ohm, scene.configs)):
         solution = config.mesh.solve(felt)
@@ -234,8 +244,7 @@ def simulate(scene, seed=0):
                 x=x,
                 y=y,
                 felt_n=felt.sum((1, 2)),
-                modelled=modelled,
-                left_out=tuple(part for part in COMPONENTS if part not in modelled),
+                modelled=modelled(scene),
             )
         )
     return recordings

@@ -5,8 +5,8 @@ A slip is missed if no flag comes before the whole contact slips: there is none,
 
 import numpy as np
 
-from meissner.engines.float import first_crossing
-from meissner.scenes.rates import rates
+from meissner.engines.float_slip import first_crossing
+from meissner.scenes.slip_rates import rates
 from meissner.twins.slip.slip import State
 
 COUNTS = ("missed", "late", "false_alarms", "false_alarms_masked")  # of runs, to be added up

@@ -1,38 +1,33 @@
-"""Pictures of a slip run; the page of every report is written by meissner.report.page."""
-
-from pathlib import Path
+"""Pictures of a slip run."""
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from meissner.report.page import write_html
+from meissner.scenes.drawing import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    PURPLE,
+    RED,
+    SKY,
+    envelope,
+    new_figure,
+    put_title,
+    save,
+)
 
-__all__ = ["draw_slip", "write_html"]
-
+COLUMNS = 4000  # of a curve
 STATES = ("none", "contact", "incipient", "gross", "release")
-# Okabe and Ito's palette, which colour-blind readers can distinguish; grey without contact.
-INK, BLUE, ORANGE, GREEN, RED = "#222222", "#0072B2", "#E69F00", "#009E73", "#D55E00"
-SKY, PURPLE = "#56B4E9", "#A0307A"
+# Grey without contact.
 STATE_COLOURS = ("#E4E4E4", SKY, ORANGE, RED, "#999999")
-
-
-def _envelope(time_s, values, columns=4000):
-    """Minimum and maximum per column: the same picture as all samples give, with a fraction of the points."""
-    step = len(values) // columns
-    if step < 2:
-        return time_s, values
-    starts = np.arange(0, len(values), step)
-    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
-    return np.repeat(time_s[starts], 2), np.stack([low, high], axis=1).ravel()
 
 
 def _within(time_s, values, window):
     first, last = np.searchsorted(time_s, window)
-    return _envelope(time_s[first:last], values[first:last])
+    return envelope(time_s[first:last], values[first:last], COLUMNS)
 
 
 def _runs(flags):
@@ -90,8 +85,7 @@ def draw_slip(
             until_s = max(until_s, flag_s + 0.02)
         zoom_s = (centre_s - 0.015, until_s)
 
-    figure = Figure(figsize=(13, 9.2), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(13, 9.2)
     figure.get_layout_engine().set(h_pad=0.02, w_pad=0.08, hspace=0.02)
     rows = figure.subplots(
         5, 2, sharex="col", gridspec_kw={"width_ratios": [2.2, 1], "height_ratios": [2.2, 1.5, 1.5, 0.5, 1.6]}
@@ -169,6 +163,5 @@ def draw_slip(
     if flag_s is not None and onset_s is not None:
         outcome += f" {(flag_s - onset_s) * 1e3:.1f} ms after the first partial slip"
         outcome += f", {(gross_s - flag_s) * 1e3:.0f} ms before the whole contact slips"
-    figure.suptitle(f"{name}: {outcome}", fontsize=13, x=0.01, ha="left", fontweight="bold")
-    figure.savefig(path, dpi=110, facecolor="white")
-    return Path(path)
+    put_title(figure, f"{name}: {outcome}")
+    save(figure, path)

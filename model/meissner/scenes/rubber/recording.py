@@ -6,16 +6,23 @@ from typing import Any
 import numpy as np
 
 from meissner.physics import disturbances, plate, rubber
+from meissner.scenes import base
 
-COMPONENTS = (
-    "rubber divider",
-    "normal force profile",
-    "shear step",
-    "partial slip",
-    "plate friction",
-    "stick-slip",
-    "adc",
-)
+WHY = {
+    "rubber divider": "the sensor: force and shear to the voltage Vc",
+    "normal force profile": "every kind presses the plate on",
+    "shear step": "kinds pull and grip shear the rubber before it slips",
+    "partial slip": "what the flag is to find: events from first_event of the friction limit on",
+    "plate friction": "material says when the whole contact slips",
+    "stick-slip": "what the plate does afterwards: slide_s",
+    "adc": "adc: Vc to codes, with its noise",
+    "grip follows load": "kind grip: follow",
+    "hum": "hum_v of a condition",
+    "1/f noise": "flicker of a condition",
+    "hysteresis": "hysteresis of a condition",
+    "correlated events": "burst of a condition",
+}
+COMPONENTS = tuple(WHY)[:7]  # those beyond are named only where they are modelled
 _MODELLED = {
     "press": ("rubber divider", "normal force profile", "adc"),
     "pull": COMPONENTS,
@@ -37,7 +44,7 @@ def modelled(kind, condition):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run of one condition: the core's input, an experimenter's measurements, and the ground truth.
 
     ``onset_s``: the first event of partial slip; ``gross_s``: the whole contact slips; both None without
@@ -48,9 +55,7 @@ class Recording:
     masking would leave the detector blind.
     """
 
-    scene: Any
     condition: Any
-    seed: int
     time_s: np.ndarray
     volts: np.ndarray  # before the converter
     codes: np.ndarray
@@ -64,8 +69,6 @@ class Recording:
     gross_s: float | None
     events_s: np.ndarray
     events_v: np.ndarray
-    modelled: tuple
-    left_out: tuple
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,6 @@ def simulate(scene, condition=0, seed=0):
         events_v = rubber.event_steps(rubber.volts(shown_n[before], slip.level[before]), slip.shares)
 
     codes, over_range = scene.adc.convert(volts, rng)
-    parts = modelled(scene.kind, condition)
     return Recording(
         scene=scene,
         condition=condition,
@@ -173,6 +175,5 @@ def simulate(scene, condition=0, seed=0):
         gross_s=gross_s,
         events_s=events_s,
         events_v=events_v,
-        modelled=parts,
-        left_out=tuple(part for part in COMPONENTS if part not in parts),
+        modelled=modelled(scene.kind, condition),
     )

@@ -1,31 +1,28 @@
 """Running a slip scene: every condition and seed through an engine, compared with the ground truth."""
 
-import time
+from functools import partial
 
 import numpy as np
 
 from meissner import engines, scenes
-from meissner.engines.stages import Stages
-from meissner.scenes.rates import rates
-from meissner.scenes.rates import tell as tell_rates
-from meissner.scenes.results import check_waves, finish, head, table
+from meissner.engines.features import function
+from meissner.scenes.results import Picture, Result, head, table
 from meissner.scenes.rubber import pictures as report
 from meissner.scenes.rubber.judge import COUNTS, contact_share, contact_wrong, judge, statistics
+from meissner.scenes.slip_rates import rates
+from meissner.scenes.slip_rates import tell as tell_rates
+from meissner.scenes.timed import TimedEngine, mismatches
+from meissner.scenes.verdict import slips as answer
 from meissner.twins.slip.slip_path import details
 
+__all__ = ["TABLES", "WAVES", "answer", "run", "tell"]
+
+TABLES = {"Conditions": "conditions", "At the converter's pins": "pins"}
+WAVES = True
 SHOWN = (
     "the sensor's voltage, its Haar detail, the peak to peak over the window with the threshold, the state "
     "and the forces over time; left the whole run, right its shaded part"
 )
-
-
-def _mismatches(watched, twin):
-    """Number of details that differ from the twin's in any field."""
-    fields = ("p2p", "over", "state")
-    wrong = np.zeros(twin.p2p.shape, dtype=bool)
-    for field in fields:
-        wrong |= getattr(watched, field) != getattr(twin, field)
-    return int(wrong.sum()) + int((watched.end != twin.end).sum()) + int(watched.blanked != twin.blanked)
 
 
 def _table(rows):
@@ -34,35 +31,19 @@ def _table(rows):
     return [{key: row.get(key) for key in keys} for row in rows]
 
 
-def _watch(module, recording, config):
-    """The results of a core that knows no motion, and of one that is given its own motion."""
-    return [module.watch(recording.codes[None], config, moving) for moving in (None, recording.moving)]
-
-
-def check(scene, engine, waves):
-    """ValueError with one sentence if this engine cannot run the scene."""
-    check_waves(engine, waves)
-
-
-def run(scene, engine, out, seed, waves, progress):
-    """Run every condition of a slip scene with its seeds; write results to ``out``; return the summary."""
-    began = time.perf_counter()
-    module, twin_module = (Stages(name, scene.features) for name in (engine, "fixed"))
-    config = scene.slip_config()
+def run(scene, engine, seed, waves, progress):
+    """The Result of every condition of a slip scene with its seeds."""
+    core, config = TimedEngine(engine, scene.features), scene.slip_config()
     seeds = range(seed, seed + scene.seeds)
-    arrays, shown = {}, {}
-    mismatches, samples, simulated, engine_s = 0, 0, 0.0, 0.0
-    module.watch(np.zeros((1, config.window), dtype=np.int64), config)  # built and warm before it is timed
+    arrays, shown, simulated = {}, {}, 0.0
     jobs = [(condition, number) for condition in scene.conditions for number in seeds]
     verdicts = {condition: [] for condition in scene.conditions}
     for condition, number in progress(jobs):
         recording = scenes.simulate(scene, condition, number)
-        started = time.perf_counter()
-        watched, masked = _watch(module, recording, config)
-        engine_s += time.perf_counter() - started
-        if engine in engines.VERILATED:
-            mismatches += sum(map(_mismatches, (watched, masked), _watch(twin_module, recording, config)))
-        samples += 2 * len(recording.codes)
+        # A core that knows no motion, and one that is given its own motion.
+        watched, masked = (
+            core.watch(recording.codes[None], config, moving) for moving in (None, recording.moving)
+        )
         simulated += len(recording.time_s) / scene.rate_hz
         alarms = judge(recording, masked.state[0], config)["false_alarms"]
         verdict = judge(recording, watched.state[0], config)
@@ -72,14 +53,14 @@ def run(scene, engine, out, seed, waves, progress):
     pins = None
     if engine in engines.VERILATED:
         recording, _, masked = shown[scene.conditions[0]]
-        pins = module.watch_pins(recording, config, waves=out / "waves.vcd" if waves else None)
-        mismatches += _mismatches(pins.watched, masked)
+        pins = function(engine, "watch_pins")(recording, config, waves=waves)
+        core.differences += mismatches(pins.watched, masked)
 
     rows = _table([statistics(condition, verdicts[condition]) for condition in scene.conditions])
     every = [verdict for condition in scene.conditions for verdict in verdicts[condition]]
     first = verdicts[scene.conditions[0]][0]
     summary = {
-        **head(scene, engine, seed, simulated, samples, engine_s, mismatches, shown[scene.conditions[0]][0]),
+        **head(scene, core, seed, simulated, shown[scene.conditions[0]][0].modelled),
         **{key: first[key] for key in ("onset_s", "crossing_s", "flag_s", "delay_s", "gross_s")},
         **{key: sum(row[key] for row in rows) for key in COUNTS},
         **rates(every),
@@ -92,13 +73,11 @@ def run(scene, engine, out, seed, waves, progress):
     }
     pictures = []
     for index, (condition, (recording, watched, _)) in enumerate(shown.items()):
-        name = f"{scene.name}.png" if len(shown) == 1 else f"{scene.name}_{index + 1}.png"
-        verdict = verdicts[condition][0]
-        _draw(out / name, recording, watched, config, verdict)
-        pictures.append((out / name, condition.name, SHOWN))
+        draw = partial(_draw, recording, watched, config, verdicts[condition][0])
+        end = f"_{index + 1}" if len(shown) > 1 else ""
+        pictures.append(Picture(end, draw, condition.name, SHOWN))
         arrays |= _arrays(recording, watched, config, f"c{index}_" if len(shown) > 1 else "")
-    tables = {"Conditions": rows, **({"At the converter's pins": [pins.facts]} if pins else {})}
-    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "pins"))
+    return Result(summary, arrays, pictures)
 
 
 def _milliseconds(seconds):
@@ -154,7 +133,7 @@ def _arrays(recording, watched, config, prefix):
     return {prefix + name: values for name, values in kept.items()}
 
 
-def _draw(path, recording, watched, config, verdict):
+def _draw(recording, watched, config, verdict, path):
     detail, _ = details(recording.codes[None], config)
     group = 1 << config.level
     volts = recording.scene.adc.lsb_v / 2 ** (config.level / 2)  # per code of the unnormalised detail

@@ -13,13 +13,15 @@ from meissner.builds.slip_table import SlipOfScene
 from meissner.builds.units import of_scene
 from meissner.physics import plate, rubber
 from meissner.scenes import base
-from meissner.scenes.rubber.parts import FEATURES
-from meissner.scenes.rubber.recording import COMPONENTS, Recording, simulate
+from meissner.scenes.rubber import recording
+from meissner.scenes.rubber.recording import COMPONENTS, WHY, Recording, simulate
 from meissner.tables import Positive, Table, naming, one_of, values
 from meissner.twins.slip.config import SlipConfig
 
-__all__ = ["COMPONENTS", "Condition", "Recording", "Scene", "build", "simulate"]
+__all__ = ["COMPONENTS", "WHY", "Condition", "Recording", "Scene", "build", "simulate"]
 
+FEATURES = {"slip": "its flag is judged against the truth"}
+_BYTES = 400  # per sample: times, volts, forces, details, decisions, as int64 and double
 Event = Annotated[float, Meta(ge=0, le=0.9)]  # above 0.9, a slip may have no event
 Burst = Annotated[float, Meta(ge=1, le=50)]
 
@@ -162,9 +164,21 @@ class Scene(base.Sampled):
         return self.slip.codes(of_scene(self))
 
 
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    found = {part for one in scene.conditions for part in recording.modelled(scene.kind, one)}
+    return [part for part in WHY if part in found]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    samples = sum(scene.duration_s(condition) for condition in scene.conditions) * scene.rate_hz
+    return _BYTES * samples, f"{samples:.3g} samples of the shown runs"
+
+
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    keys, own = base.read(name, table, Keys, FEATURES)
+    keys, own = base.read(name, table, Keys)
     world = values(keys.world)
     conditions = tuple(Condition(**values(row)) for row in world.pop("conditions"))
     kind = type(keys.world).__struct_config__.tag

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from meissner.engines.stages import Stages
+from meissner.scenes.errors import percent, summarise
 from meissner.scenes.shear.published import LIMIT_MM_S
-from meissner.scenes.truth import percent, summarise
 from meissner.twins.slip.shear_speed import FAST, ShearSettings
 from meissner.twins.slip.shear_speeds import SIZE, ShearConfig
 
@@ -14,23 +13,19 @@ AFTER = 3  # windows that a slow fall by `still` takes at the end of a shear
 
 
 class Estimator:
-    """The estimator on ``engine``; ``differences``: windows whose results differ from ``twin``'s."""
+    """The estimator of a scene on a TimedEngine."""
 
-    def __init__(self, scene, engine, twin="fixed"):
+    def __init__(self, scene, core):
         per_v = 1.0 / scene.adc.lsb_v
         self.config = ShearConfig(ShearSettings.of(per_v, scene.rate_hz, vi_min=VI_MIN_V, vi_max=VI_MAX_V))
-        self.run, self.twin = (Stages(name, scene.features).shear_speed for name in (engine, twin))
-        self.verilated = engine in ("rtl", "gate")
-        self.differences = 0
+        self.core = core
 
     def of(self, recording):
         """``estimate_mm_s``: last speed in the shear, or None; ``estimate_fast``: the shear was flagged as
         above the limit; ``estimates_outside``: windows with a speed where nothing is sheared."""
-        x, window = recording.codes[None], 1 << SIZE.window_log2
-        speed, flags = (rows[0] for rows in self.run(x, self.config, recording.moving))
-        if self.verilated:
-            v, told = (rows[0] for rows in self.twin(x, self.config, recording.moving))
-            self.differences += int(((v != speed) | (told != flags)).sum())
+        window = 1 << SIZE.window_log2
+        found = self.core.shear_speed(recording.codes[None], self.config, recording.moving)
+        speed, flags = (rows[0] for rows in found)
         last_s = (AFTER + 1) * window / recording.scene.rate_hz
         ends = (np.arange(len(flags)) + 1) * window / recording.scene.rate_hz
         inside = (ends > recording.start_s) & (ends <= recording.stop_s)

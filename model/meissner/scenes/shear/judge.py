@@ -6,10 +6,12 @@ import numpy as np
 from meissner import fit_rubber, interval
 from meissner.interval import CONFIDENCE
 from meissner.physics import rubber
-from meissner.scenes.rates import rates
+from meissner.report.words import fact, number
+from meissner.scenes.errors import summarise
 from meissner.scenes.rubber.judge import contact_share
 from meissner.scenes.shear import published
-from meissner.scenes.truth import summarise
+from meissner.scenes.slip_rates import rates
+from meissner.scenes.verdict import count
 
 AFTER_S = 5.0  # published: about the time until Vc is stable
 MEAN_S = 0.1  # averaging time of Vc after the shear
@@ -191,9 +193,9 @@ def speed(scene, found):
         rest, mean_v = round(case.rest_v), float(_of(runs, "step_v").mean())
         table_2 = float(published.table_2(rest, case.speed_mm_s)) if rest in published.FIT else None
         table_1 = published.STEP_V.get(case.speed_mm_s) if rest == 2 else None
-        for number, printed in ((1, table_1), (2, table_2)):
+        for which, printed in ((1, table_1), (2, table_2)):
             if printed is not None:
-                off[number].append(mean_v / printed - 1.0)
+                off[which].append(mean_v / printed - 1.0)
         back = float(published.joint_speed(_of(runs, "rest_v").mean(), mean_v))
         rows.append(
             _row(case, runs, table_2_v=table_2, table_1_v=table_1, speed_mm_s=case.speed_mm_s, back_mm_s=back)
@@ -296,3 +298,47 @@ def stick_slip(scene, found):
 
 
 ANSWERS = {"amount": amount, "speed": speed, "recover": recover, "stick_slip": stick_slip}
+
+
+def _of_stick_slip(summary):
+    """The derivative of Vc compared with the slip detector."""
+    missed, slips = summary["slope_missed_rate"]["count"], summary["slope_missed_rate"]["runs"]
+    text = (
+        f"The derivative of Vc misses {number(missed)} of {count(slips, 'slip')}, the slip detector "
+        f"{number(summary['missed'])}"
+    )
+    pressing = summary["slope_pressing_rate"]["count"]
+    text += f"; pressing alone crosses its threshold in {count(pressing, 'run')}"
+    if summary["stick_slips_found"]:
+        text += f", and it shows {100 * summary['stick_slips_found']['rate']:.3g} % of the stick-slips"
+    return text + "."
+
+
+def _of_sheared(summary):
+    """Results for rubber that shears and does not slip."""
+
+    def of(key, which="mean"):
+        return fact(key, summary[key][which])
+
+    alarms = f"; the slip detector raises its flag in {count(summary['false_alarm_rate']['count'], 'run')}"
+    if "slope_v_mm" in summary:
+        text = f"Vc rises by {of('step_v')} in the mean, by {fact('slope_v_mm', summary['slope_v_mm'])} more"
+    elif "k0" in summary:
+        values = [f"{name} = {summary[name]:.3f}" for name in ("k0", "k1", "n")]
+        text = (
+            f"The steps fit {', '.join(values)}; the speed from one step is {of('speed_error')} "
+            "off in the mean"
+        )
+    else:
+        ways = [
+            f"{of(key)} where it {word}"
+            for key, word in (("restored_after_v", "is restored"), ("converged_after_v", "converges"))
+            if summary[key]
+        ]
+        text = f"5 s after the shear Vc is {' and '.join(ways)}"
+    return text + alarms + "."
+
+
+def answer(summary):
+    """The sentence about a run."""
+    return _of_stick_slip(summary) if "stick_slips" in summary else _of_sheared(summary)

@@ -1,24 +1,23 @@
 """Pictures of sheared rubber in the layout of the published figures; the papers' page uses them, too."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
-from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RED
+from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED, envelope, new_figure
 from meissner.scenes.shear.judge import slope
 from meissner.scenes.shear.published import CONVERGED_V, FIT, LINE, STEP_V
 
 COLOURS = (BLUE, ORANGE, GREEN)
+COLUMNS = 1500  # of a curve
 FIRST_S = 1.0  # shown in the enlarged picture of a slip: figures 6 and 9
 BEFORE_S = 0.5  # of rest before the shear
 
 
 def figure(rows, height, columns=1, **more):
     """A figure 900 px wide and its axes, [rows, columns]."""
-    picture = Figure(figsize=(9, height), layout="constrained")
-    FigureCanvasAgg(picture)
+    picture = new_figure(9, height)
     axes = picture.subplots(rows, columns, squeeze=False, **more)
     for axis in axes.flat:
         axis.tick_params(labelsize=15)
@@ -38,18 +37,8 @@ def label(axis, x=None, y=None, title=None):
         axis.set_title(title, loc="left", fontsize=17)
 
 
-def envelope(time_s, values, columns=1500):
-    """Minimum and maximum per column of pixels: the same picture from fewer points."""
-    step = len(values) // columns
-    if step < 2:
-        return time_s, values
-    starts = np.arange(0, len(values), step)
-    both = [np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)]
-    return np.repeat(time_s[starts], 2), np.stack(both, axis=1).ravel()
-
-
 def curve(axis, time_s, values, colour=BLUE, **look):
-    axis.plot(*envelope(time_s, values), **({"color": colour, "lw": 1.4} | look))
+    axis.plot(*envelope(time_s, values, COLUMNS), **({"color": colour, "lw": 1.4} | look))
 
 
 class Slipped(NamedTuple):
@@ -269,14 +258,12 @@ def _stick_slip(scene, shown, rows, _):
 _DRAWN = {"amount": _amount, "speed": _speed, "recover": _recover, "stick_slip": _stick_slip}
 
 
-def draw(out, scene, shown, rows, constants):
-    """Write the pictures of a run; (path, condition, what is shown) of each.
+def drawings(scene, shown, rows, constants):
+    """The pictures of a run: (function that writes it to a path, condition, what is shown) of each.
 
     ``shown``: {case: Recording} of the first seed; ``rows``, ``constants``: of the summary.
     """
-    pictures = []
-    for place, (picture, what) in enumerate(_DRAWN[scene.kind](scene, shown, rows, constants)):
-        path = out / f"{scene.name}{f'_{place + 1}' if place else ''}.png"
-        picture.savefig(path, dpi=100, facecolor="white")
-        pictures.append((path, scene.title, what))
-    return pictures
+    drawn = _DRAWN[scene.kind](scene, shown, rows, constants)
+    return [
+        (partial(picture.savefig, dpi=100, facecolor="white"), scene.title, what) for picture, what in drawn
+    ]

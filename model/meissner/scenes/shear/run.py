@@ -1,22 +1,19 @@
 """Running a scene of sheared rubber: each case and seed through the converter and an engine's detector."""
 
-import time
-
-import numpy as np
-
-from meissner import engines, interval, scenes
-from meissner.engines.stages import Stages
-from meissner.files import written
+from meissner import interval, scenes
 from meissner.fit_rubber import STEPS
-from meissner.scenes import chain
-from meissner.scenes.rates import rates
-from meissner.scenes.results import finish, head, table
+from meissner.scenes.results import Result, head, numbered, table
 from meissner.scenes.rubber.judge import judge
-from meissner.scenes.rubber.run import _mismatches
 from meissner.scenes.shear import estimate, pictures
-from meissner.scenes.shear.judge import ANSWERS, measured, sloped
-from meissner.scenes.shear.scene import check_supply
+from meissner.scenes.shear.judge import ANSWERS, answer, measured, sloped
+from meissner.scenes.shear.scene import check_supply as check
+from meissner.scenes.slip_rates import rates
+from meissner.scenes.timed import TimedEngine
 
+__all__ = ["TABLES", "WAVES", "answer", "check", "run", "tell"]
+
+TABLES = {"Conditions": "conditions", "Constants": "constants"}
+WAVES = False
 RECOVERIES = {
     "restored": "is restored",
     "converged": "converges",
@@ -25,34 +22,22 @@ RECOVERIES = {
 KEPT = ("time_s", "codes", "normal_n", "speed_mm_s", "tension_n", "slip_mm", "slips_s")
 
 
-def check(scene, engine, waves):
-    """ValueError with one sentence if this engine cannot run the scene. No --waves here."""
-    chain.check(scene, engine, waves)
-    check_supply(scene)
-
-
 def _run(recording, state, config):
     """The figures of one run: the slip detector's verdict, and what its kind measures."""
     of_kind = sloped if recording.scene.kind == "stick_slip" else measured
     return judge(recording, state, config) | of_kind(recording)
 
 
-def run(scene, engine, out, seed, waves, progress):
-    """Run every case with its seeds; write results to ``out``; return the summary."""
-    began = time.perf_counter()
-    module, twin = (Stages(name, scene.features) for name in (engine, "fixed"))
+def run(scene, engine, seed, waves, progress):
+    """The Result of every case with its seeds."""
+    core = TimedEngine(engine, scene.features)
     config, seeds = scene.slip_config(), range(seed, seed + scene.seeds)
-    module.watch(np.zeros((1, config.window), dtype=np.int64), config)  # built and warm before it is timed
-    estimator = estimate.Estimator(scene, engine) if "shear_speed" in scene.features else None
+    estimator = estimate.Estimator(scene, core) if "shear_speed" in scene.features else None
     found, shown = {case: [] for case in scene.cases}, {}
-    wrong, samples, over_range, engine_s = 0, 0, 0, 0.0
+    samples, over_range = 0, 0
     for case, number in progress([(case, number) for case in scene.cases for number in seeds]):
         recording = scenes.simulate(scene, case, number)
-        started = time.perf_counter()
-        watched = module.watch(recording.codes[None], config)
-        engine_s += time.perf_counter() - started
-        if engine in engines.VERILATED:
-            wrong += _mismatches(watched, twin.watch(recording.codes[None], config))
+        watched = core.watch(recording.codes[None], config)
         samples += len(recording.codes)
         over_range += int(recording.over_range.sum())
         estimated = estimator.of(recording) if estimator else {}
@@ -60,42 +45,37 @@ def run(scene, engine, out, seed, waves, progress):
         if number == seed:
             shown[case] = recording
     every = [one for runs in found.values() for one in runs]
-    rows, answer = ANSWERS[scene.kind](scene, found)
-    constants = answer.pop("constants", None)
+    rows, of_kind = ANSWERS[scene.kind](scene, found)
+    constants = of_kind.pop("constants", None)
     if estimator:
-        estimate.join(rows, answer, found)
-        wrong += estimator.differences
-    first = shown[scene.cases[0]]
+        estimate.join(rows, of_kind, found)
     summary = {
-        **head(scene, engine, seed, samples / scene.rate_hz, samples, engine_s, wrong, first),
+        **head(scene, core, seed, samples / scene.rate_hz, shown[scene.cases[0]].modelled),
         "over_range": over_range,
         "false_alarms": sum(one["false_alarms"] for one in every),
         "false_alarm_rate": rates(every)["false_alarm_rate"],
-        **answer,
+        **of_kind,
         "runs": len(every),
         "seeds": [seeds[0], seeds[-1]],
         "conditions": rows,
         **({"constants": constants} if constants else {}),
     }
-    drawn = pictures.draw(out, scene, shown, rows, constants)
     arrays = {
         f"c{place}_{name}": getattr(recording, name)
         for place, recording in enumerate(shown.values())
         for name in KEPT
     }
-    if scene.kind == "speed":
-        _write_steps(out / "steps.csv", found)
-    tables = {"Conditions": rows, **({"Constants": constants} if constants else {})}
-    return finish(scene, summary, out, arrays, drawn, tables, began, ("conditions", "constants"))
+    drawn = numbered(pictures.drawings(scene, shown, rows, constants))
+    files = {"steps.csv": _steps(found)} if scene.kind == "speed" else {}
+    return Result(summary, arrays, drawn, files)
 
 
-def _write_steps(path, found):
+def _steps(found):
     """Every measured step, as ``meissner fit-rubber`` reads them."""
     lines = [",".join(STEPS)]
     for case, runs in found.items():
         lines += [f"{one['rest_v']:.9g},{one['step_v']:.9g},{case.speed_mm_s:g}" for one in runs]
-    with written(path) as file:
-        file.write(("\r\n".join(lines) + "\r\n").encode("ascii"))
+    return ("\r\n".join(lines) + "\r\n").encode("ascii")
 
 
 def _amount(summary):

@@ -7,7 +7,7 @@ combination of the lists in [world] and its [[world.ways]].
 
 from dataclasses import dataclass
 from itertools import product
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from msgspec import Meta
@@ -18,20 +18,26 @@ from meissner.physics import plate, rubber
 from meissner.scenes import base
 from meissner.scenes.rubber.recording import partial_slip
 from meissner.scenes.rubber.scene import Event
-from meissner.scenes.shear.parts import FEATURES
 from meissner.scenes.shear.published import SLOWEST_MM_S
 from meissner.tables import Positive, Share, Table, naming, one_of, values
 
-_SHEARED = (
-    "rubber divider",
-    "normal force profile",
-    "shear step",
-    "deviation of repeated steps",
-    "recovery",
-    "adc",
-)
-_SLIPPED = ("partial slip", "plate friction", "stick-slip")
-COMPONENTS = (*_SHEARED, *_SLIPPED)
+FEATURES = {
+    "slip": "its false alarms are judged; in kind stick_slip also its flag",
+    "shear_speed": "kind speed: its estimates are compared with the stage's speed",
+}
+WHY = {
+    "rubber divider": "the sensor: force and shear to the voltage Vc",
+    "normal force profile": "normal_n is pressed on before the shear",
+    "shear step": "speed_mm_s and moved_mm: the dV that is measured",
+    "deviation of repeated steps": "seeds: each repeats the shear",
+    "recovery": "held_s: recovery of dV",
+    "adc": "adc: Vc to codes, with its noise",
+    "partial slip": "kind stick_slip: first_event",
+    "plate friction": "kind stick_slip: material",
+    "stick-slip": "kind stick_slip: the events to be detected",
+}
+COMPONENTS = tuple(WHY)
+_BYTES = 400  # per sample, as in the scenes of the rubber
 REST_S = 0.2  # least time between the end of pressing and the stage's start
 _LISTS = ("normal_n", "speed_mm_s", "moved_mm")
 _SLOPE = ("slope_s", "slope_v_s", "near_s")
@@ -138,16 +144,14 @@ class Scene(base.Sampled):
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(base.Recording):
     """One run of one case: the converter's codes, the stage's motion, and the ground truth.
 
     ``speed_mm_s``: of the stage; ``moving``: the loading stage moves. ``onset_s``: the first event of partial
     slip, ``gross_s``: the whole contact slips, both None if nothing slips; ``slips_s``: the stick-slips.
     """
 
-    scene: Any
     condition: Case
-    seed: int
     time_s: np.ndarray
     volts: np.ndarray  # before the converter
     codes: np.ndarray
@@ -162,8 +166,6 @@ class Recording:
     onset_s: float | None
     gross_s: float | None
     slips_s: np.ndarray
-    modelled: tuple
-    left_out: tuple
 
 
 def _cases(ways, world):
@@ -175,6 +177,24 @@ def _cases(ways, world):
         case = Case(**{**way, "name": name}, normal_n=normal_n, speed_mm_s=speed, moved_mm=moved)
         cases.append(case)
     return tuple(cases)
+
+
+def uses(scene):
+    """The features that the scene uses, each with the reason."""
+    return {name: why for name, why in FEATURES.items() if name == "slip" or scene.kind == "speed"}
+
+
+def modelled(scene):
+    """The parts of the physics that the scene has."""
+    return COMPONENTS[: None if scene.kind == "stick_slip" else 6]
+
+
+def memory(scene):
+    """(bytes of the largest arrays, what they hold)."""
+    world = scene.world
+    shears_s = sum(case.moved_mm / case.speed_mm_s for case in scene.cases)
+    samples = scene.rate_hz * (shears_s + len(scene.cases) * (world["shear_start_s"] + world["held_s"]))
+    return _BYTES * samples, f"{samples:.3g} samples of the shown runs"
 
 
 def check_supply(scene):
@@ -190,7 +210,7 @@ def check_supply(scene):
 
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    keys, own = base.read(name, table, Keys, FEATURES)
+    keys, own = base.read(name, table, Keys)
     kind, world = type(keys.world).__struct_config__.tag, values(keys.world)
     ways = [values(way) for way in world.pop("ways", [])] or [{"name": ""}]
     slope = {key: world.pop(key) for key in _SLOPE} if isinstance(keys.world, Pulled) else None
@@ -236,11 +256,9 @@ def simulate(scene, case=0, seed=0):
         level, share = slip.level, slip.share
         tension_n, slip_mm, slips_s = pull.tension_n, pull.slip_mm, pull.slips_s
         onset_s, gross_s = float(slip.events_s[0]), float(pull.gross_s)
-        modelled = COMPONENTS
     else:
         spread = 1.0 + rubber.SHEAR_SPREAD * rng.standard_normal()
         level = case.lot * spread * rubber.shear_level(time_s, speed, case.recovers)
-        modelled = _SHEARED
     volts = rubber.volts(normal_n, level, share)
     converted, over_range = scene.adc.convert(volts, rng)
     return Recording(
@@ -261,6 +279,5 @@ def simulate(scene, case=0, seed=0):
         onset_s=onset_s,
         gross_s=gross_s,
         slips_s=slips_s,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=modelled(scene),
     )

@@ -79,7 +79,7 @@ AXES = (
     Axis(
         name="constants",
         title="Constants of the physics that nobody published",
-        about="each is changed alone, listed in docs/constants.md; the detector has its shipped settings",
+        about="each is changed alone; the detector has its shipped settings",
         values={"change": (AS_THEY_ARE, *NAMES)},
         shipped={"change": AS_THEY_ARE},
         runs={"runs": (100, 10)},

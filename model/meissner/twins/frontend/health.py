@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.twins.frontend.calibration_table import check_array
+from meissner.twins.frontend.calibrate import check_array
 from meissner.twins.frontend.health_taxel import BLINKING, DEAD, RAILED, State, judge
 
 # Slices of an array with a border of one: each taxel, and its left, right, upper and lower neighbours.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from meissner.twins.common.round_sat import round_sat
-from meissner.twins.frontend.calibration_table import check_array
+from meissner.twins.frontend.calibrate import check_array
 
 
 class Tare:

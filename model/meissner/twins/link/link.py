@@ -1,5 +1,6 @@
-"""Bit-exact twin of rtl/link/msn_link.sv: packets to levels of the line, and back."""
+"""Bit-exact twin of rtl/link/msn_link.sv: payloads of a core's results; packets to levels of the line, and back."""
 
+from meissner.twins.link import packet as p
 from meissner.twins.link.cobs import encode
 from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.uart_rx import UartRx
@@ -16,3 +17,10 @@ def packets_of(line, clk_hz=25_000_000, baud_hz=3_000_000):
     decoder = Decoder()
     found = UartRx(clk_hz, baud_hz).process(line)
     return decoder.next(bytes(byte for _, byte in found if byte is not None)), decoder
+
+
+def payloads(events=(), cops=()):
+    """(slip, cop) payloads, each with its frame, of ``events`` (frame, channel, p2p, state) and ``cops``
+    (x, y, load, pressed)."""
+    slip = [(frame, p.slip_event(channel, p2p, state)) for frame, channel, p2p, state in events]
+    return slip, [(frame, p.cop_frame(*cop)) for frame, cop in enumerate(cops)]

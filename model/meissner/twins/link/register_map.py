@@ -1,5 +1,5 @@
 # ruff: noqa: E501 - the texts are as long as their source's
-"""The register map. Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`."""
+"""The register map. Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`."""
 
 from meissner.twins.link.register import Field, Group, Register
 

@@ -4,8 +4,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.twins.cop.array import Array
 from meissner.twins.frontend.calibration_preset import preset
+from meissner.twins.sensor.array_forces import ArrayForces
+
+
+class Array(ArrayForces):
+    """A scanned array; ``scan``: ScanAdc, ScanDemod or, of a stream, any object with ``rows`` and ``columns``, and
+    ``lanes`` if there are several. The rest as in ArrayForces."""
+
+    def __init__(self, scan, limits=None, tare=None, **kinds):
+        lanes = getattr(scan, "lanes", 1)  # the demodulator gives one amplitude at a time
+        super().__init__(scan.rows, scan.columns, lanes, limits, tare, **kinds)
+        self.scan = scan
+
+    def latency(self, settle, **given):
+        """Clocks of each step, by name: the scan's, then ``health``, ``tare``, ``cop`` and two sums.
+
+        ``compute``: from the last sample to the result; ``total``: from a frame's first convert start to the
+        result. ``given``: further arguments of the scan's latency.
+        """
+        steps = self.scan.latency(settle, **given) | self.steps
+        tail = sum(self.steps.values())
+        return steps | {"compute": steps["out"] + tail, "total": steps["last_beat"] + tail}
 
 
 @dataclass(frozen=True)
@@ -20,20 +40,17 @@ class Sensed:
 def sensor_array(array, samples, over=None):
     """``Sensed`` of samples [frames, rows, columns]; ``array`` keeps its learned state, as the core does."""
     forces, mask = array.forces(samples, over)
-    cop = [tuple(map(int, row)) for row in zip(*array.cop.of_forces(forces))]
+    cop = [tuple(map(int, row)) for row in zip(*array.cops(forces))]
     return Sensed(forces.reshape(len(forces), -1), mask.reshape(len(mask), -1), cop)
 
 
-def from_reset(size, gain, limits=None, tare=None, **kinds):
-    """meissner.twins.cop.array.Array as a core has it after reset: preset gains, the first tare requested.
-
-    ``size``: an object with ``rows``, ``columns``, ``lanes``, ``sample_bits``; the rest as in Array.
-    """
-    twin = Array(size, limits, tare, **kinds)
-    table, row_column = twin.cop.calibrate.table, kinds.get("row_column", False)
-    for of_row, word, offset, value in preset(size.rows, size.columns, size.lanes, gain, row_column):
-        table.write_row(word, offset, value) if of_row else table.write(word, offset, value)
-    twin.cop.calibrate.swap()
+def from_reset(scan, gain, limits=None, tare=None, **kinds):
+    """Array as a core has it after reset: preset gains, the first tare requested. The rest as in Array."""
+    twin = Array(scan, limits, tare, **kinds)
+    table = twin.calibrate.table
+    for of_row, word, offset, value in preset(twin.rows, twin.columns, twin.lanes, gain, table.row_column):
+        table.put(of_row, word, slice(None), offset, value)
+    twin.calibrate.swap()
     if tare:
         twin.tare.tare(force=True)
     return twin

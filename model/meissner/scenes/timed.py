@@ -1,0 +1,91 @@
+"""An engine with a scene's features: its calls are timed and, for rtl and gate, compared with the twins."""
+
+import dataclasses
+import time
+
+import numpy as np
+
+from meissner import engines
+from meissner.engines.features import function
+
+
+def _arrays(result):
+    """Every array and number in an engine's result."""
+    if isinstance(result, dict):
+        result = result.values()
+    elif dataclasses.is_dataclass(result):
+        result = vars(result).values()
+    elif not isinstance(result, tuple):
+        return [np.asarray(result)]
+    return [array for part in result for array in _arrays(part)]
+
+
+def mismatches(ours, twin):
+    """Number of details, windows, samples or frames that differ from the twin's in any array."""
+    by_shape = {}
+    for one, other in zip(_arrays(ours), _arrays(twin), strict=True):
+        by_shape.setdefault(one.shape, []).append(one != other)
+    return sum(int(np.any(wrong, axis=0).sum()) for wrong in by_shape.values())
+
+
+class TimedEngine:
+    """An engine of meissner.engines. A call that needs a feature beyond ``features`` raises ValueError.
+
+    ``samples`` went through the engine in ``taken_s`` seconds; ``differences``: results that are not the
+    integer twins'.
+    """
+
+    def __init__(self, engine, features):
+        self.engine, self.features = engine, features
+        self.taken_s, self.samples, self.differences, self._warm = 0.0, 0, 0, set()
+
+    def _call(self, feature, run, x, first=None):
+        """``run(x, engine)``; ``first``: a short input, by default the first of ``x``."""
+        if feature not in self.features:
+            raise ValueError(f"the core is built without {feature}: it has {', '.join(self.features)}")
+        if feature not in self._warm:  # built and warm before it is timed
+            self._warm.add(feature)
+            run(x[:1] if first is None else first, self.engine)
+        started = time.perf_counter()
+        result = run(x, self.engine)
+        self.taken_s += time.perf_counter() - started
+        self.samples += x.size
+        if self.engine in engines.VERILATED:
+            self.differences += mismatches(result, run(x, "fixed"))
+        return result
+
+    def watch(self, codes, config, moving=None):
+        """Watched of codes [channels, samples]; ``moving`` [samples]."""
+
+        def run(x, engine):
+            return function(engine, "watch")(x, config, None if moving is None else moving[: x.shape[1]])
+
+        return self._call("slip", run, codes, np.zeros((1, config.window), dtype=np.int64))
+
+    def shear_speed(self, codes, config, moving):
+        """Speed and flags of each window of codes [channels, samples]."""
+
+        def run(x, engine):
+            return function(engine, "shear_speed")(x, config, moving[: x.shape[1]])
+
+        return self._call("shear_speed", run, codes, codes[:, :64])
+
+    def demodulate(self, samples, carrier):
+        """Codes [...] of carriers [..., samples]."""
+        return self._call("demod", lambda x, engine: engines.demodulate(x, carrier, engine), samples)
+
+    def calibrate(self, codes, calibration):
+        """Forces [frames, rows, columns] of codes."""
+        return self._call("calibrate", lambda x, engine: engines.calibrate(x, calibration, engine), codes)
+
+    def cop(self, forces, min_load=1):
+        """The arrays of engines.process_cop of forces [frames, rows, columns]."""
+        return self._call("cop", lambda x, engine: engines.process_cop(x, engine, min_load), forces)
+
+    def cop4(self, codes, config):
+        """Cop4 of codes [samples, 4]."""
+        return self._call("cop4", lambda x, engine: function(engine, "cop4")(x, config), codes)
+
+    def cop_slip(self, codes, *settings):
+        """Cop4 and CopSlipResult of codes [samples, 4]; ``settings``: config, lag, registers."""
+        return self._call("cop_slip", lambda x, engine: function(engine, "cop_slip")(x, *settings), codes)

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Offset and gain of a beat's taxels, from a row's and a column's: for arrays too large for a word per taxel.
+//
+//   offset = row's + column's    gain = row's * column's, exact, 32 bits
+//
+// A write goes to the bank that is not in use; swap exchanges the two before the next frame's first beat, never
+// inside a frame. A word is a beat of a row, written for every lane set in write_lanes, or, with write_row, a row. Before the first swap out_loaded_o is low. Offsets are signed, gains unsigned.
+//
+//   clock  1        2     3, 4      5 .. 6
+//          address  read  register  product, sum
+//
+// The words follow take_i by 6 clocks, a beat a clock. No stage stalls, so none needs a clock enable, and the
+// memories' slow outputs have a full clock.   Model: model/meissner/twins/frontend/calibrate.py
+// Error: none (docs/extremes.md).
+
+module msn_grid_table #(
+  parameter  int unsigned Rows       = 1024,
+  parameter  int unsigned Columns    = 1024,
+  parameter  int unsigned Lanes      = 8,
+  parameter  int unsigned SampleBits = 17,
+  parameter  bit          Offset     = 1'b1,
+  localparam int unsigned RowBeats   = (Columns + Lanes - 1) / Lanes,
+  localparam int unsigned OffsetBits = SampleBits - 1  // so that the sum of two has SampleBits
+) (
+  input  logic                        clk_i,
+  input  logic                        rst_i,
+
+  input  msn_registers_pkg::calibrate_cfg_t    cfg_i,
+  output msn_registers_pkg::calibrate_status_t status_o,     // swapping: requested, not done yet
+
+  input  logic                        take_i,         // a beat
+  input  logic                        fits_i,         // with it: its marks, of msn_frame_marker
+  input  logic                        row_last_i,
+  input  logic                        last_i,
+  output logic [Lanes*SampleBits-1:0] out_offset_o,
+  output logic [Lanes*32-1:0]         out_gain_o,
+  output logic                        out_loaded_o
+);
+
+  if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
+    $fatal(1, "msn_grid_table: Rows = %0d must lie in 1 .. 1024", Rows);
+  end
+  if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
+    $fatal(1, "msn_grid_table: Columns = %0d must lie in 1 .. 1024", Columns);
+  end
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
+    $fatal(1, "msn_grid_table: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+  end
+  if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
+    $fatal(1, "msn_grid_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
+  end
+
+  localparam int unsigned RowBits  = msn_pkg::index_width(Rows);
+  localparam int unsigned BeatBits = msn_pkg::index_width(RowBeats);
+  localparam int unsigned PartBits = Offset ? 16 + OffsetBits : 16;
+
+  // The place of the next beat, and its bank. A beat that does not fit ends its frame or is the final one without
+  // last: what comes next is at place 0 either way.
+  logic [BeatBits-1:0] beat;
+  logic [RowBits-1:0]  row;
+  logic                bank, midway, swap, restart, swapping, write_row;
+  logic [Lanes-1:0]    write;
+  assign status_o  = swapping;
+  assign write_row = cfg_i.write_written && cfg_i.write_row;
+  assign write     = (cfg_i.write_written && !cfg_i.write_row) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign restart   = last_i || !fits_i;
+  assign swap      = swapping && !midway;
+
+  logic [5:1]        loaded;
+  logic [RowBits:0]  row_at;
+  logic [BeatBits:0] beat_at;
+  always_ff @(posedge clk_i) begin
+    if (take_i) begin
+      midway <= !last_i;
+      beat   <= restart || row_last_i ? '0 : beat + 1'b1;
+      row    <= restart ? '0 : row + RowBits'(row_last_i);
+    end
+    bank           <= bank ^ swap;
+    swapping       <= cfg_i.swap || (swapping && !swap);
+    row_at         <= {bank ^ swap, row};
+    beat_at        <= {bank ^ swap, beat};
+    loaded         <= {loaded[4:1], loaded[1] || swap};
+    out_loaded_o   <= loaded[5];
+    if (rst_i) begin
+      {beat, row, midway, bank, swapping} <= '0;
+      loaded <= '0;
+    end
+  end
+
+  logic [PartBits-1:0]   entry;
+  logic [OffsetBits-1:0] entry_offset;
+  assign entry_offset = OffsetBits'(signed'(cfg_i.offset));
+  if (Offset) begin : gen_entry
+    assign entry = {entry_offset, cfg_i.gain};
+  end else begin : gen_entry_gain
+    assign entry = cfg_i.gain;
+  end
+  logic unused_cfg;
+  assign unused_cfg = ^{cfg_i, entry_offset};
+
+  (* no_rw_check *) logic [PartBits-1:0] rows [2**(RowBits+1)];
+  logic [PartBits-1:0] row_read, row_near, of_row;
+  always_ff @(posedge clk_i) begin
+    if (write_row) rows[{!bank, RowBits'(cfg_i.word)}] <= entry;
+    row_read <= rows[row_at];
+    row_near <= row_read;
+    of_row   <= row_near;
+  end
+
+  // Gains and offsets in separate memories: their data go to different places, and the first register after a
+  // memory must be placed next to it.
+  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+    (* no_rw_check *) logic [15:0] gains [2**(BeatBits+1)];
+    logic [15:0]        gain_read, gain_near, gain_column;
+    logic signed [32:0] gain;
+    msn_multiply #(.AWidth(17), .BWidth(16)) u_gain (
+      .clk_i, .enable_i(1'b1), .a_i(signed'({1'b0, of_row[15:0]})), .b_i(gain_column), .y_o(gain)
+    );
+    assign out_gain_o[32*k+:32] = gain[31:0];
+    logic unused_sign;
+    assign unused_sign = gain[32];
+    always_ff @(posedge clk_i) begin
+      if (write[k]) gains[{!bank, BeatBits'(cfg_i.word)}] <= cfg_i.gain;
+      gain_read   <= gains[beat_at];
+      gain_near   <= gain_read;
+      gain_column <= gain_near;
+    end
+
+    if (Offset) begin : gen_offset
+      (* no_rw_check *) logic [OffsetBits-1:0] offsets [2**(BeatBits+1)];
+      logic        [OffsetBits-1:0] offset_read, offset_near;
+      logic signed [OffsetBits-1:0] offset_column, column_offset, row_offset;
+      always_ff @(posedge clk_i) begin
+        if (write[k]) offsets[{!bank, BeatBits'(cfg_i.word)}] <= entry_offset;
+        offset_read   <= offsets[beat_at];
+        offset_near   <= offset_read;
+        offset_column <= signed'(offset_near);
+        column_offset <= offset_column;
+        row_offset    <= signed'(of_row[16+:OffsetBits]);
+        out_offset_o[SampleBits*k+:SampleBits] <= SampleBits'(row_offset) + SampleBits'(column_offset);
+      end
+    end else begin : gen_none
+      assign out_offset_o[SampleBits*k+:SampleBits] = '0;
+    end
+  end
+
+`ifndef SYNTHESIS
+  // Reading a word in the clock in which it is written is undefined. It cannot happen, as the bank read is never the
+  // one written, except before the first reset and for a clock after a reset, when nothing is loaded.
+  // verilator coverage_off
+  logic begun, was_reset;
+  initial {begun, was_reset} = '0;
+  always @(posedge clk_i) begin
+    was_reset <= rst_i;
+    begun     <= !rst_i && (begun || was_reset);
+    if (begun && !rst_i) begin
+      assert (!write_row || row_at[RowBits] == bank)
+      else $fatal(1, "msn_grid_table: bank %0d of rows is read and written in one clock", !bank);
+      assert (write == '0 || beat_at[BeatBits] == bank)
+      else $fatal(1, "msn_grid_table: bank %0d of columns is read and written in one clock", !bank);
+    end
+  end
+  // verilator coverage_on
+`endif
+
+endmodule

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Offset and gain of the next beat's taxels, read ahead from two banks: one in use, the other for writes.
+//
+// A write goes to the bank that is not in use; swap exchanges the two before the next frame's first beat, never
+// inside a frame. A word is a beat, written for every lane set in write_lanes. Before the first swap out_loaded_o is
+// low. Offsets are signed, gains unsigned.
+//
+// A word a clock; none for 3 clocks after a swap and for 4 after a damaged frame.
+// Model: model/meissner/twins/frontend/calibrate.py
+
+module msn_taxel_table #(
+  parameter  int unsigned Rows       = 64,
+  parameter  int unsigned Columns    = 64,
+  parameter  int unsigned Lanes      = 1,
+  parameter  int unsigned SampleBits = 17,
+  parameter  bit          Offset     = 1'b1,
+  localparam int unsigned Words      = Rows * ((Columns + Lanes - 1) / Lanes),
+  localparam int unsigned IdBits     = msn_pkg::index_width(Words)
+) (
+  input  logic                         clk_i,
+  input  logic                         rst_i,
+
+  input  msn_registers_pkg::calibrate_cfg_t    cfg_i,
+  output msn_registers_pkg::calibrate_status_t status_o,     // swapping: requested, not done yet
+
+  input  logic                         take_i,         // of a beat, only while out_valid_o
+  input  logic                         last_i,         // with it: the frame's last, as msn_frame_marker gives it
+  output logic                         out_valid_o,
+  output logic [Lanes*SampleBits-1:0]  out_offset_o,
+  output logic [Lanes*16-1:0]          out_gain_o,
+  output logic                         out_loaded_o
+);
+
+  if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
+    $fatal(1, "msn_taxel_table: Rows = %0d must lie in 1 .. 1024", Rows);
+  end
+  if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
+    $fatal(1, "msn_taxel_table: Columns = %0d must lie in 1 .. 1024", Columns);
+  end
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
+    $fatal(1, "msn_taxel_table: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+  end
+  if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
+    $fatal(1, "msn_taxel_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
+  end
+
+  // Banks change only between frames. Words read ahead from the old bank are discarded, and no beat is taken
+  // until the new bank's first word is valid.
+  logic bank, midway, stale, swap, restart, bank_next, at_end, swapping;
+  assign status_o  = swapping;
+  assign swap      = swapping && !midway;
+  assign restart   = rst_i || stale || swap;
+  assign bank_next = bank ^ swap;
+
+  always_ff @(posedge clk_i) begin
+    if (take_i) midway <= !last_i;
+    stale          <= take_i && last_i && !at_end;  // of a damaged frame; a clock later: take_i is known late
+    bank           <= bank_next;
+    swapping       <= cfg_i.swap || (swapping && !swap);
+    out_loaded_o   <= out_loaded_o || swap;
+    if (rst_i) begin
+      midway         <= 1'b0;
+      stale          <= 1'b0;
+      bank           <= 1'b0;
+      swapping       <= 1'b0;
+      out_loaded_o   <= 1'b0;
+    end
+  end
+
+  localparam int unsigned PartBits = Offset ? 16 + SampleBits : 16;
+
+  logic                      valid;
+  logic [PartBits-1:0]       entry;
+  logic [Lanes*PartBits-1:0] word;
+  if (Offset) begin : gen_entry
+    assign entry = {SampleBits'(signed'(cfg_i.offset)), cfg_i.gain};
+  end else begin : gen_entry_gain
+    assign entry = cfg_i.gain;
+  end
+  logic [Lanes-1:0] write;
+  assign write = (cfg_i.write_written && !cfg_i.write_row) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  logic unused_cfg;
+  assign unused_cfg  = ^cfg_i;
+  assign out_valid_o = valid && !swap && !stale;
+
+  msn_frame_table #(.Words(Words), .Parts(Lanes), .PartBits(PartBits)) u_beats (
+    .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(take_i || !valid),
+    .out_valid_o(valid), .out_data_o(word),
+    .at_end_o(at_end),
+    .write_i(write), .write_bank_i(!bank), .write_word_i(cfg_i.word[IdBits-1:0]), .write_data_i({Lanes{entry}})
+  );
+
+  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+    assign out_gain_o[16*k+:16] = word[PartBits*k+:16];
+    if (Offset) begin : gen_offset
+      assign out_offset_o[SampleBits*k+:SampleBits] = word[PartBits*k+16+:SampleBits];
+    end else begin : gen_none
+      assign out_offset_o[SampleBits*k+:SampleBits] = '0;
+    end
+  end
+
+`ifndef SYNTHESIS
+  // Reading a word in the clock in which it is written is undefined. It cannot happen, as the bank read is never the
+  // one written, except before the first reset and its first swap, when nothing is loaded.
+  // verilator coverage_off
+  logic begun;
+  initial begun = 1'b0;
+  always @(posedge clk_i) if (rst_i) begun <= 1'b1;
+  always_ff @(posedge clk_i) begin
+    if (begun && out_loaded_o && write != '0 && u_beats.advance_i && !rst_i) begin
+      assert (u_beats.address != u_beats.write_address)
+      else $fatal(1, "msn_taxel_table: word %0d is read and written in one clock", u_beats.address);
+    end
+  end
+  // verilator coverage_on
+`endif
+
+endmodule

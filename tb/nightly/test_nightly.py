@@ -1,0 +1,144 @@
+"""`make nightly`: what a change selects; a broken limit, a check that cannot run or does not end, and a run
+of nothing end non-zero; the page names what was not reached."""
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+from meissner.builds import toolchain
+from nightly import __main__ as nightly
+from nightly import limits, page, since
+
+WITHIN = {"text": "fine", "broken": []}
+
+
+def concerned(*paths):
+    return since.concerned(paths, "HEAD")
+
+
+def test_a_block_selects_all_of_itself_and_three_kinds_of_what_contains_it():
+    """By hand: msn_round_sat is in msn_tare, and so in msn_condition; msn_fifo is in none of them."""
+    found, shared = concerned("rtl/common/msn_round_sat.sv")
+    assert [kind for kind, block in found if block == "round_sat"] == list(since.KINDS)
+    assert all(found[kind, "round_sat"] for kind in since.KINDS)
+    for around in ("tare", "condition", "core"):
+        assert {kind for kind, block in found if block == around} == {"proofs", "netlists", "faults"}
+        assert not found["faults", around]
+    assert ("faults", "fifo") not in found and shared == []
+
+
+@pytest.mark.parametrize(
+    "path, kinds, block",
+    [
+        ("tb/link/test_registers_ends.py", {"netlists", "faults", "mutants", "coverage"}, "registers"),
+        ("tb/frontend/test_scan_coincidences.py", {"netlists", "faults", "mutants", "coverage"}, "scan"),
+        ("model/meissner/twins/slip/haar.py", {"mutants", "coverage"}, "haar"),
+        ("tb/formal/owed_divide.sv", {"proofs"}, "divide"),
+        ("tb/coverage/cover_scan.sv", {"coverage"}, "scan"),
+    ],
+)
+def test_other_files_select_the_kinds_that_read_them(path, kinds, block):
+    found, _ = concerned(path)
+    assert {kind for kind, name in found if name == block} == kinds
+    assert not [name for _, name in found if name == "uart_tx"]
+
+
+def test_what_all_blocks_share_selects_none_and_is_named():
+    assert concerned("tb/bench.py", "tools/nightly/faults.py", "README.md") == (
+        {},
+        ["tb/bench.py", "tools/nightly/faults.py"],
+    )
+    assert "tb/bench.py" in page.untouched(["tb/bench.py"])
+
+
+def test_a_row_of_a_table_selects_its_block(monkeypatch):
+    """Of the file as it is, and as it was with another depth of one proof and without a waiver."""
+    there = {
+        path: (toolchain.ROOT / path).read_text("utf-8")
+        for path in ("tb/formal/proofs.toml", "tb/coverage/waivers.toml")
+    }
+    begin = there["tb/formal/proofs.toml"].index("[skid]")
+    entry = there["tb/formal/proofs.toml"][begin:]
+    there["tb/formal/proofs.toml"] = there["tb/formal/proofs.toml"][:begin] + entry.replace("depth", "#", 1)
+    there["tb/coverage/waivers.toml"] += '[[waiver]]\nblock = "fork"\npoints = ["line x"]\nreason = "none"\n'
+
+    def shown(command, **_):
+        return subprocess.CompletedProcess(command, 0, there[command[-1].partition(":")[2]], "")
+
+    monkeypatch.setattr(since.subprocess, "run", shown)
+    assert [*since.rows_changed("tb/formal/proofs.toml", "HEAD")] == [("proofs", ["skid"])] * 2
+    assert list(since.rows_changed("tb/coverage/waivers.toml", "HEAD")) == [("coverage", ["fork"])]
+
+
+def checks(*facts):
+    return [nightly.Check("proofs", f"b{n}", facts=one) for n, one in enumerate(facts)]
+
+
+def test_exit_codes():
+    broken = {"text": "", "broken": ["one"]}
+    assert nightly.verdict(checks(WITHIN, WITHIN))[0] == 0
+    assert nightly.verdict(checks(WITHIN, broken, None))[0] == 1
+    assert nightly.verdict(checks())[0] == nightly.verdict(checks(None))[0] == 2
+    assert nightly.verdict(checks(WITHIN, None))[0] == 3
+
+
+def test_a_check_that_does_not_end_is_stopped_and_named(monkeypatch, tmp_path):
+    """Also what it has started, and a check that was not begun."""
+    monkeypatch.setattr(nightly, "FOLDER", tmp_path)
+    code = "import subprocess, sys; subprocess.run([sys.executable, '-c', 'import time; time.sleep(60)'])"
+    kept = subprocess.Popen
+
+    def slow(command, **given):
+        return kept([sys.executable, "-c", code], **given)
+
+    monkeypatch.setattr(nightly.subprocess, "Popen", slow)
+    given, begun = checks(None, None), time.monotonic()
+    nightly.run(given, 1, 2, lambda check: None)
+    assert time.monotonic() - begun < 30
+    assert [check.facts for check in given] == [None, None] and nightly.verdict(given)[0] == 2
+    nightly.write(given, page.heading(["proofs"], [], None, []))
+    text = (tmp_path / "index.html").read_text()
+    assert "2 not reached" in text and "proofs of <code>b1</code>" in text
+
+
+def test_what_cannot_run_or_ends_without_a_word_breaks_the_limit(monkeypatch, tmp_path):
+    monkeypatch.setattr(nightly, "FOLDER", tmp_path)
+
+    def fails(*_):
+        raise RuntimeError("no such tool")
+
+    monkeypatch.setattr(nightly.proofs, "run", fails)
+    nightly.one("proofs", "skid", tmp_path / "out", 1)
+    assert "no such tool" in (tmp_path / "out").read_text()
+    kept = subprocess.Popen
+    monkeypatch.setattr(
+        nightly.subprocess, "Popen", lambda command, **given: kept([sys.executable, "-c", ""], **given)
+    )
+    given = checks(None)
+    nightly.run(given, 1, None, lambda check: None)
+    assert given[0].facts["broken"] and nightly.verdict(given)[0] == 1
+
+
+def test_an_exception_needs_a_reason():
+    row = {"block": "skid", "register": "held", "bit": 0}
+    with pytest.raises(ValueError, match="no reason"):
+        limits.Limits({"faults": {"undetected": [row]}})
+    limits.Limits({"faults": {"undetected": [row | {"reason": "by design"}]}})
+
+
+def test_exceptions_are_of_blocks_that_are_there():
+    table = limits.Limits().table
+    rows = [
+        row for entry in table.values() for rows in entry.values() if isinstance(rows, list) for row in rows
+    ]
+    named = {name for row in rows for name in row.get("blocks", [row.get("block")])}
+    assert named | {*table["coverage"]["waived"]} <= {*nightly.benches.blocks(), nightly.cover.SHARED}
+
+
+@pytest.mark.parametrize("given", [["nosuch"], ["--kinds", "nosuch"], ["--since", "nosuch"]])
+def test_a_wrong_argument_is_refused_in_a_sentence(given):
+    command = [sys.executable, "-m", "nightly", *given]
+    done = subprocess.run(command, cwd=toolchain.ROOT / "tools", capture_output=True, text=True)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1) and "nosuch" in done.stderr

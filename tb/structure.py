@@ -1,0 +1,50 @@
+"""The package's layers and the imports between them."""
+
+import ast
+from functools import cache
+
+from meissner.builds.toolchain import ROOT
+
+MODEL = ROOT / "model"
+# From the lowest layer up: each imports only from itself and lower layers. A name is a module or a package.
+LAYERS = [
+    *("names", "plain", "interval", "tables", "files", "builds.kept", "builds.objcache", "builds.toolchain"),
+    *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
+    *("sense", "builds", "engines", "report", "scenes", "run"),
+    *("host", "budget", "tradeoff", "process", "parser", "cli"),
+]
+
+
+@cache
+def modules():
+    """{name below meissner: path}."""
+    found = {}
+    for path in sorted(MODEL.glob("meissner/**/*.py")):
+        parts = path.relative_to(MODEL / "meissner").with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        if name:
+            found[name] = path
+    return found
+
+
+def layer(module):
+    """A module's index in LAYERS, by the longest name that matches it or a parent; None if none matches."""
+    fits = [name for name in LAYERS if module == name or module.startswith(f"{name}.")]
+    return LAYERS.index(max(fits, key=len)) if fits else None
+
+
+@cache
+def imports():
+    """{module: set of the modules that it imports}, including imports inside functions."""
+    known, found = modules(), {}
+    for module, path in known.items():
+        found[module] = set()
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "meissner":
+                package = node.module.removeprefix("meissner").lstrip(".")
+                for alias in node.names:
+                    whole = f"{package}.{alias.name}".lstrip(".")
+                    other = whole if whole in known else package
+                    if other and other != module:
+                        found[module].add(other)
+    return found

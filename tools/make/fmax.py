@@ -1,0 +1,353 @@
+"""Place and route single blocks: the worst Fmax of three seeds, the area, and the latency in ns if known.
+
+    python tools/make/fmax.py                    every entry of TABLE on each of its targets
+    python tools/make/fmax.py 'divide*' -t ecp5  only these entries, only this target
+    python tools/make/fmax.py --list             list the entries
+    python tools/make/fmax.py --record 'slip*'   also record them in constraints/fmax.json
+
+A generated Verilog harness shifts every input of the block in through one pin and folds every output into
+one pin, with registers on both sides, so that neither the pin count nor pin timing matters. The harness's own
+cells are subtracted from the area. Ports that an entry ties (an input to a number, an output left open with
+None) are not in the harness, so synthesis optimises them away. Results: a table, and build/fmax/fmax.json
+(entries not run keep their last result).
+"""
+
+import argparse
+import json
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from fnmatch import fnmatch
+from pathlib import Path
+from threading import Lock
+
+from meissner.builds.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
+from meissner.tradeoff.area import BLOCKS
+from meissner.twins.link.registers import members, struct_word
+from version import record
+
+OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees only files below its working directory
+SEEDS = (1, 2, 3)
+
+# Target: synthesis command, place and route command, requested MHz, names of the resources in the report.
+TARGETS = {
+    "ecp5": {
+        "synth": "synth_ecp5",
+        "pnr": "nextpnr-ecp5 --25k --package CABGA381 --speed 6 --lpf-allow-unconstrained",
+        "freq": 200,
+        "area": {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "dsp": "MULT18X18D"},
+    },
+    "up5k": {
+        "synth": "synth_ice40 -dsp -device u",
+        "pnr": "nextpnr-ice40 --up5k --package sg48 --pcf-allow-unconstrained",
+        "freq": 60,
+        "area": {"lut": "ICESTORM_LC", "ram": "ICESTORM_RAM", "dsp": "ICESTORM_DSP"},
+    },
+}
+
+
+def demod_entries():
+    """Entries of msn_am_demod, 12-bit converter and up to 64 periods, by form and samples per period."""
+    size = {"SampleBits": 13}
+    for name, form, samples, clocks in (
+        ("rectifier-4", 0, 4, 12),
+        ("rectifier-16", 0, 16, 12),
+        ("iq-4", 1, 4, 73),
+        ("iq-16", 1, 16, 88),
+        ("iq-fast-4", 2, 4, 15),
+        ("iq-fast-16", 2, 16, 15),
+    ):
+        setting = size | {"Form": form, "SamplesPerPeriod": samples}
+        yield f"am_demod-{name}", ("msn_am_demod", setting, clocks, "ecp5 up5k")
+    yield "am_demod-iq-4x8", ("msn_am_demod", size | {"Lanes": 8}, 500, "ecp5")
+
+
+def cop_entries():
+    """Entries of msn_cop by fraction bits and quotient bits per clock; also pipelined at Q2.14."""
+    for bits, pipelined in ((4, 0), (14, 0), (20, 0), (14, 1)):
+        for per_clock in (1, 2):
+            digits = bits + 1 if per_clock == 1 else (bits + 3) // 2
+            size = {"Rows": 64, "Columns": 64, "FractionBits": bits, "BitsPerClock": per_clock}
+            name = f"cop-64x64-q{bits}-{'pipe' if pipelined else 'turn'}{per_clock}"
+            targets = "ecp5" if pipelined else "ecp5 up5k"  # the pipelined divider does not fit the UP5K
+            yield name, ("msn_cop", size | {"Pipelined": pipelined}, 3 + digits, targets)
+
+
+# One rubber sensor at 12 MHz, with thresholds and times fixed at build time and the counters left open.
+SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
+MCP3208_PINS = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
+SMALLEST = SLIP1 | MCP3208_PINS | {"Serial": 1, "AdcPeriod": 1200}
+SLIP1_SETTINGS = {name: 0 for name in members("slip")} | {
+    **{"threshold": 23, "gross_threshold": 200, "keep_threshold": 11, "contact_level": 7000},
+    **{"release_level": 7400, "hold": 100, "refractory": 50, "blank": 250},
+}
+SLIP1_TIED = {
+    "cfg_adc_enable_i": 1,
+    "cfg_adc_period_i": 1200,
+    "adc_busy_i": 0,
+    "cfg_i": struct_word("slip", SLIP1_SETTINGS, {"detail": 14, "timer": 10}),
+    "actuator_moving_i": 0,
+    "in_id_i": 0,
+    "in_last_i": 1,
+    **dict.fromkeys(("out_id_o", "out_last_o", "out_end_o")),
+    **dict.fromkeys(("adc_reset_o", "dropped_o", "overrun_o", "timeout_o", "mistagged_o", "over_range_o")),
+    **dict.fromkeys(("damaged_o", "blanked_o")),
+}
+NO_STREAM = {"in_valid_i": 0, "in_data_i": 0, "in_ready_o": None}
+NO_PINS = {"adc_miso_i": 0}
+
+# Name: module, parameters, latency in clocks for the ns figure (or None), targets, tied ports (or nothing).
+LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
+TABLE = {
+    "slip-1024": ("msn_channels", {"Channels": 1024}, 6, "ecp5 up5k"),
+    "slip-64": ("msn_channels", {"Channels": 64}, 6, "ecp5 up5k"),
+    "slip-1": ("msn_channels", {"Channels": 1}, 6, "ecp5 up5k"),
+    "slip-64-half": ("msn_channels", {"Channels": 64, "Hop": 32}, 7, "ecp5"),
+    "slip-64-sliding": ("msn_channels", {"Channels": 64, "Hop": 2}, 8, "ecp5"),
+    "slip-1-mcp3208": (
+        "msn_channels",
+        {"Adc": 1, "Channels": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 16},
+        6,
+        "up5k",
+    ),
+    "slip1": ("msn_channels", SMALLEST, 18, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-no-p2p": ("msn_channels", SMALLEST, 18, "up5k", SLIP1_TIED | NO_STREAM | {"out_p2p_o": None}),
+    "slip1-adc_spi": ("msn_channels", SMALLEST | {"AdcPeriod": 0}, 18, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-parallel": ("msn_channels", SLIP1 | MCP3208_PINS, 6, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-path": ("msn_channels", SLIP1 | {"Serial": 1}, 18, "up5k", SLIP1_TIED | NO_PINS),
+    "slip1-path-parallel": ("msn_channels", SLIP1, 6, "up5k", SLIP1_TIED | NO_PINS),
+    **dict(demod_entries()),
+    "adc_spi-max11123": (
+        "msn_adc_spi",
+        {"Part": 3, "ClkKhz": 25000, "SclkKhz": 16000, "Trigger": 1, "SampleBits": 13},
+        None,
+        "ecp5 up5k",
+    ),
+    "scan-64x64": ("msn_scan", {"Rows": 64, "Columns": 64, "SampleBits": 13}, 5, "ecp5 up5k"),
+    "scan-64x64x8": ("msn_scan", {"Rows": 64, "Columns": 64, "Lanes": 8, "SampleBits": 17}, 5, "ecp5"),
+    "cop_accumulate-64x64": ("msn_cop_accumulate", {"Rows": 64, "Columns": 64}, 2, "ecp5 up5k"),
+    "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
+    "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
+    "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
+    **dict(cop_entries()),
+    "cop_array-64x64": ("msn_cop_array", {"Rows": 64, "Columns": 64}, 14, "ecp5"),
+    "cop_array-32x32": ("msn_cop_array", {"Rows": 32, "Columns": 32}, 14, "ecp5 up5k"),
+    "cop_array-1024x1024x8": (
+        "msn_cop_array",
+        LARGE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
+        36,
+        "ecp5",
+    ),
+    # The UP5K's eight multipliers have 16 bits: samples of 17 bits would need twelve of them.
+    "cop4": ("msn_cop4", {}, 17, "ecp5"),
+    "cop4-13": ("msn_cop4", {"SampleBits": 13}, 17, "ecp5 up5k"),
+    "cop_slip": ("msn_cop_slip", {}, 5, "ecp5 up5k"),
+    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5"),
+    "cop4-13-turn1": ("msn_cop4", {"SampleBits": 13, "BitsPerClock": 1}, 25, "up5k"),
+    "cop4-correct": ("msn_cop4", {"Correct": 1}, 37, "ecp5"),
+    "cop4_correct": ("msn_cop4_correct", {}, 8, "ecp5"),
+    "shear_speed": ("msn_shear_speed", {}, 58, "ecp5"),
+    "log2": ("msn_log2", {}, 7, "ecp5 up5k"),
+    "exp2": ("msn_exp2", {}, 6, "ecp5 up5k"),
+    "grip": ("msn_grip", {}, 4, "ecp5 up5k"),
+    "finger_health": ("msn_finger_health", {}, 3, "ecp5 up5k"),
+    "packet_slip": ("msn_packet_slip", {"P2pBits": 14}, None, "ecp5 up5k"),
+    "cobs-18": ("msn_cobs", {"MaxBytes": 18}, None, "ecp5 up5k"),
+    "cobs": ("msn_cobs", {}, None, "ecp5 up5k"),
+    "uart_tx-1M": ("msn_uart_tx", {}, None, "ecp5 up5k"),
+    "uart_tx-3M": ("msn_uart_tx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
+    "uart_rx-3M": ("msn_uart_rx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
+    "packet-64x64": ("msn_packet", {}, None, "ecp5"),
+    "packet-fingertip": ("msn_packet", {"SlipDepth": 16, "Taxels": 0}, None, "ecp5 up5k"),
+    "bridge": ("msn_bridge", {}, None, "ecp5 up5k"),
+    "link-64x64": ("msn_link", {}, None, "ecp5"),
+}
+
+
+def ports(module, parameters, stem):
+    """The block's ports with these parameters, without constant outputs: [(name, direction, bits)]."""
+    netlist = f"{stem}.ports.json"
+    script = f"{read_rtl()}; {chparam(module, parameters)}hierarchy -top {module}; proc; write_json {netlist}"
+    yosys(script, f"{stem}.ports.log")
+    modules = json.loads((ROOT / netlist).read_text())["modules"].values()
+    top = next(m for m in modules if int(m["attributes"].get("top", "0"), 2))
+    return [
+        (name, port["direction"], len(port["bits"]))
+        for name, port in top["ports"].items()
+        if not all(isinstance(bit, str) for bit in port["bits"])  # a wire has a number, a constant "0" or "1"
+    ]
+
+
+def harness(module, parameters, tied, found):
+    """Verilog text of the harness."""
+    # A port that no connection names is left open.
+    free = [(n, direction, bits) for n, direction, bits in found if n != "clk_i" and n not in tied]
+    inputs = [(n, bits) for n, direction, bits in free if direction == "input"]
+    outputs = [(n, bits) for n, direction, bits in free if direction == "output"]
+    ins, outs = sum(bits for _, bits in inputs), sum(bits for _, bits in outputs)
+    pins = ["    .clk_i(clk)"]
+    for name, _, bits in found:
+        if tied.get(name) is not None:
+            pins.append(f"    .{name}({bits}'d{tied[name] % (1 << bits)})")
+    for vector, group in (("in_q", inputs), ("out_d", outputs)):
+        at = 0
+        for name, bits in group:
+            pins.append(f"    .{name}({vector}[{at + bits - 1}:{at}])")
+            at += bits
+    setting = ", ".join(f".{name}({value})" for name, value in parameters.items())
+    connections = ",\n".join(pins)
+    text = f"""// Generated by tools/make/fmax.py around {module}.
+module harness (input wire clk, input wire sdi, output wire sdo);
+  reg  [{ins - 1}:0] in_q;
+  wire [{outs - 1}:0] out_d;
+  reg  [{outs - 1}:0] out_q, fold;
+  always @(posedge clk) begin
+    in_q  <= {{in_q, sdi}};
+    out_q <= out_d;
+    fold  <= {{fold, 1'b0}} ^ out_q;
+  end
+  assign sdo = fold[{outs - 1}];
+  {module} #({setting}) u_block (
+{connections}
+  );
+endmodule
+"""
+    return text
+
+
+def own_area(netlist, target, source):
+    """The part of a netlist's area that belongs to the harness in the file ``source``.
+
+    It is counted, not computed from the ports: synthesis removes registers of outputs that turn out constant
+    after flattening, and of inputs that the block does not read.
+    """
+    cells = netlist["modules"]["harness"]["cells"].values()
+    own = [c for c in cells if "Q" in c["connections"] and source in c["attributes"].get("src", "")]
+    if target == "up5k":  # a cell holds one table and one register
+        return {"lut": len(own)}
+    held = {c["connections"]["Q"][0] for c in own}
+    next_of = {c["connections"]["DI"][0] for c in own}
+    folds = 0  # LUTs that combine an output's register with the previous fold's
+    for c in cells:
+        pins = c["connections"]
+        inputs = [pins[pin][0] for pin in "ABCD"] if c["type"] == "LUT4" else []
+        read = [bit for bit in inputs if not isinstance(bit, str)]
+        folds += bool(read) and pins["Z"][0] in next_of and len(read) == 2 and set(read) <= held
+    return {"lut": folds, "ff": len(own)}
+
+
+def synthesise(name, target):
+    """Synthesise entry ``name``; returns the netlist's stem and the harness's own area."""
+    module, parameters, _, _, *tied = TABLE[name]
+    stem = f"{OUT}/{name}-{target}"
+    text = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
+    (ROOT / f"{stem}.v").write_text(text)
+    script = f"{read_rtl(target)} {stem}.v; {synthesis(TARGETS[target]['synth'], 'harness')}; "
+    script += f"write_json {stem}.json"
+    yosys(script, f"{stem}.yosys.log")
+    return stem, own_area(json.loads((ROOT / f"{stem}.json").read_text()), target, f"{stem}.v")
+
+
+def place(stem, target, seed):
+    """Place and route with one seed; returns (MHz, resources used)."""
+    spec = TARGETS[target]
+    pnr, *options = spec["pnr"].split()
+    report = f"{stem}-{seed}.report.json"
+    options += ["--json", f"{stem}.json", "--freq", str(spec["freq"]), "--timing-allow-fail"]
+    options += ["--seed", str(seed), "--report", report]
+    tool(f"yowasp-{pnr}", options, f"{stem}-{seed}.pnr.log")
+    result = json.loads((ROOT / report).read_text())
+    (mhz,) = (clock["achieved"] for clock in result["fmax"].values())
+    return mhz, {short: result["utilization"][cell]["used"] for short, cell in spec["area"].items()}
+
+
+def measure(name, target, seeds):
+    stem, own = synthesise(name, target)
+    runs = [place(stem, target, seed) for seed in seeds]
+    mhz = [round(m, 2) for m, _ in runs]
+    area = {short: used - own.get(short, 0) for short, used in runs[0][1].items()}
+    module, parameters, clocks, *_ = TABLE[name]
+    return {
+        "name": name,
+        "target": target,
+        "module": module,
+        "parameters": parameters,
+        "seeds": list(seeds),
+        "mhz": mhz,
+        "mhz_worst": min(mhz),
+        "clocks": clocks,
+        "ns": None if clocks is None else round(1000 * clocks / min(mhz), 1),
+        "area": area,
+    }
+
+
+def table(results):
+    lines = [
+        f"{'block':28} {'target':6} {'MHz':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} "
+        f"{'RAM':>4} {'DSP':>4} {'clocks':>6} {'ns':>7}"
+    ]
+    for r in results:
+        area = r["area"]
+        seeds = " ".join(f"{m:6.1f}" for m in r["mhz"])
+        clocks, ns = ("", "") if r["clocks"] is None else (r["clocks"], r["ns"])
+        lines.append(
+            f"{r['name']:28} {r['target']:6} {r['mhz_worst']:6.1f} {seeds:>20} {area['lut']:7} "
+            f"{area.get('ff', ''):>6} {area['ram']:4} {area['dsp']:4} {clocks:>6} {ns:>7}"
+        )
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", default=["*"], help="entries, shell patterns")
+    parser.add_argument("-t", "--target", choices=TARGETS, action="append", help="default: all of an entry")
+    parser.add_argument("-s", "--seeds", type=int, nargs="+", default=SEEDS)
+    parser.add_argument("-j", "--jobs", type=int, default=1)
+    parser.add_argument("--record", action="store_true", help="into constraints/fmax.json too")
+    parser.add_argument("--list", action="store_true", help="print the entries and stop")
+    options = parser.parse_args()
+    if options.record and tuple(options.seeds) != SEEDS:
+        parser.error(f"--record is of seeds {SEEDS}")
+    unknown = [n for n in options.names if not any(fnmatch(entry, n) for entry in TABLE)]
+    if unknown:
+        parser.error(f"no entry matches {unknown[0]}; try --list")
+    work = [
+        (name, target)
+        for name, entry in TABLE.items()
+        for target in entry[3].split()
+        if any(fnmatch(name, n) for n in options.names) and target in (options.target or TARGETS)
+    ]
+    if options.list:
+        for name, target in work:
+            print(f"{name:28} {target:6} {TABLE[name][0]} {TABLE[name][1]}")
+        return
+    (ROOT / OUT).mkdir(parents=True, exist_ok=True)
+    warm_up()
+
+    recording = Lock()
+
+    def job(pair):
+        begin = time.monotonic()
+        result = measure(*pair, options.seeds)
+        took = time.monotonic() - begin
+        print(f"{pair[0]} {pair[1]}: {result['mhz_worst']} MHz, {took:.0f} s", file=sys.stderr, flush=True)
+        if options.record:
+            with recording:
+                record(BLOCKS, {" ".join(pair): result})
+        return result
+
+    with ThreadPoolExecutor(options.jobs) as pool:
+        results = list(pool.map(job, work))
+    kept = ROOT / OUT / "fmax.json"
+    before = json.loads(kept.read_text()) if kept.exists() else []
+    done = {(r["name"], r["target"]) for r in results}
+    whole = [r for r in before if (r["name"], r["target"]) not in done and r["name"] in TABLE] + results
+    kept.write_text(json.dumps(whole, indent=1) + "\n")
+    print(table(results))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except ToolError as error:
+        sys.exit(f"{error}\n{error.tail}")
