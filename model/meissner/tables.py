@@ -27,7 +27,7 @@ _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 40
 _SHORT.maxlevel = 2
 _KEY = re.compile(r"Object (contains unknown|missing required) field `(.*)`", re.DOTALL)
 _STEP = re.compile(r"\.([^.\[]+)|\[(\d+)\]")
-_NAMES = {
+_NAMES: dict[type, tuple[str, str]] = {
     kinds.IntType: ("a whole number", "whole numbers"),
     kinds.FloatType: ("a number", "numbers"),
     kinds.StrType: ("text", "texts"),
@@ -47,7 +47,7 @@ class Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     RENAMED: ClassVar[Mapping[str, tuple[str, int]]] = {}
 
     @classmethod
-    def unknown(cls, key: str, value: object) -> str | None:
+    def unknown(cls, key: str, value: Any) -> str | None:
         """The sentence for a key that is none of the table's; None for the usual one."""
         if key not in cls.RENAMED:
             return None
@@ -152,11 +152,11 @@ def _where(where: str, path: list[str]) -> str:
     return f"{', '.join(filter(None, (where, table)))}: " if where or table else ""
 
 
-def _chosen(kind: Any, value: object) -> Any:
+def _chosen(kind: Any, value: Any) -> Any:
     """The member of a union that the value means: a table by its tag, else the one that is not None."""
     if not isinstance(kind, kinds.UnionType):
         return kind
-    members = [each for each in kind.types if not isinstance(each, kinds.NoneType)]
+    members: list[Any] = [each for each in kind.types if not isinstance(each, kinds.NoneType)]
     given = isinstance(value, dict) and len(members) > 1
     return next((each for each in members if given and each.tag == value.get(each.tag_field)), members[0])
 
@@ -224,7 +224,8 @@ def _is_rows(kind: Any) -> bool:
 
 
 def _tags(kind: Any) -> list[Any]:
-    return [each.tag for each in (kind.types if isinstance(kind, kinds.UnionType) else (kind,))]
+    members: Any = kind.types if isinstance(kind, kinds.UnionType) else (kind,)
+    return [each.tag for each in members]
 
 
 def one_of(key: str, value: object, allowed: Iterable[object]) -> None:
@@ -251,7 +252,7 @@ def _demand(place: _Place) -> str:
         if _is_rows(kind):
             return f"there must be at least one [[{_inside(place.where, key)}]]"
         several = kind.item_types if isinstance(kind, kinds.TupleType) else ()
-        inner = _chosen(several[0] if several else kind.item_type, None)
+        inner = _chosen(several[0] if several else getattr(kind, "item_type", None), None)
         many, of = len(several) or "one or more", _NAMES.get(type(inner), ("", "entries"))[1]
         return f"{key} = {shown(value)} must be a list of {many} {of}"
     fits = isinstance(value, int | float) and not isinstance(value, bool)
@@ -266,5 +267,5 @@ def _limits(above: float | None, least: float | None, most: float | None) -> str
     if above is not None:
         return f"be above {above:g}" + ("" if most is None else f" and at most {most:g}")
     if most is None and least is not None:
-        return {0: "not be negative", 1: "be above 0"}.get(least, f"be at least {least:g}")
+        return "not be negative" if least == 0 else "be above 0" if least == 1 else f"be at least {least:g}"
     return f"be at most {most:g}" if least is None else f"lie in {least:g} .. {most:g}"

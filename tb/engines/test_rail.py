@@ -13,10 +13,10 @@ from meissner.twins.link import bridge
 from meissner.twins.link.decoder import Decoder
 
 HEALTH, RAILED = 4, 2  # docs/link.md
+SLIP = ("threshold_p2p_n", "gross_threshold_p2p_n", "contact_level_n", "release_level_n")
 USE = 0x410  # health.use: bit 0, over-range samples count as railed; bit 1, edges
 # Full scale, bits, lowest code; volts of six taxels, and the taxels that are railed.
 PARTS = {
-SLIP = ("threshold_p2p_n", "gross_threshold_p2p_n", "contact_level_n", "release_level_n")
     # 3.3 V / 4096 = 0.8057 mV: 3.2995 V is 4095.4 codes, 3.2988 V 4094.5, 0.5 mV 0.6 and 0.9 mV 1.1.
     "MCP3208": (3.3, 12, 0, [3.2995, 3.2988, 0.0005, 0.0009, 3.35, 1.65], {0, 2, 4}),
     # 10 V / 32768 = 0.30518 mV: 9.9998 V: 32767.3, 9.9995 V: 32766.4, -9.9999 V: -32767.7, -9.9996: -32766.7.

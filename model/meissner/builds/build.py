@@ -114,8 +114,7 @@ class Config:
     def converter(self) -> AdcSpi:
         """Twin of a converter with its channels; those of an array work in parallel."""
         if self.array:
-            found: AdcSpi = self.scan.adc
-            return found
+            return self.scan.adc  # type: ignore[attr-defined,no-any-return]
         sizes = (self.part, self.channels, self.adc.lanes, self.clk_khz, self.adc.sclk_khz)
         return AdcSpi(*sizes, self.sample_bits)
 

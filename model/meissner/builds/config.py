@@ -67,7 +67,7 @@ def load(
         raise ValueError(f"{path.name}: {problem}") from None
 
 
-class _Top(Table, forbid_unknown_fields=False):
+class _Top(Table, frozen=True, forbid_unknown_fields=False):
     """What decides on the other tables."""
 
     sensor: dict[str, Any]
@@ -161,5 +161,5 @@ def command_show(arguments: Namespace) -> None:
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")
     print("\nregisters after reset")
-    for name, value in config.settings.items():
-        print(f"  {name:<24} {value}")
+    for name, code in config.settings.items():
+        print(f"  {name:<24} {code}")

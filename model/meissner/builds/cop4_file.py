@@ -11,7 +11,7 @@ from meissner.tables import Table, parse, read
 BUILD = {"about", "clock", "sensor", "adc"}  # only in a build's configuration
 
 
-class Keys(Table):
+class Keys(Table, frozen=True):
     """The file without a build."""
 
     mesh: four_wires.MeshKeys
@@ -34,7 +34,7 @@ def load(path: str | Path) -> Cop4Config:
     """
     if not Path(path).is_file() and str(path) in builds.names():
         return _of_build(path)
-    path = check_in(path)
+    path = Path(check_in(path))
     tables = parse(path, "a configuration")
     if "converter" not in tables and BUILD & tables.keys():
         return _of_build(path)

@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from meissner.twins.cop.cop_slip import CopSlipRegisters
 
 
-class Cop(Table):
+class Cop(Table, frozen=True):
     """[cop]: pressed from this load on."""
 
     min_load_n: NotNegative = 0.0
 
 
-class CopSlipKeys(Table):
+class CopSlipKeys(Table, frozen=True):
     """[cop_slip] of a build and of a scene: shares of the load and of the half range, times in ms."""
 
     RENAMED: ClassVar = {

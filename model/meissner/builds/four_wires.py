@@ -12,7 +12,7 @@ from meissner.tables import Positive, Table, naming, one_of
 Side = Annotated[int, Meta(ge=1, le=1024)]
 
 
-class Circuit(Table):
+class Circuit(Table, frozen=True):
     """The keys of [mesh] but r_ohm, of which a scene lists several."""
 
     rows: Side
@@ -26,13 +26,13 @@ class Circuit(Table):
         return Mesh(self.rows, self.columns, r_ohm, self.R0_ohm, self.V0_v, self.k_n_ohm)
 
 
-class MeshKeys(Circuit):
+class MeshKeys(Circuit, frozen=True):
     """[mesh]."""
 
     r_ohm: Positive
 
 
-class Converter(Table):
+class Converter(Table, frozen=True):
     """[converter], symmetric about 0 V, after amplifiers of ``gain``."""
 
     bits: Annotated[int, Meta(ge=MIN_BITS, le=MAX_BITS)]
@@ -40,13 +40,13 @@ class Converter(Table):
     gain: Positive
 
 
-class NoisyConverter(Converter):
+class NoisyConverter(Converter, frozen=True):
     """[converter] of a scene."""
 
     noise_v: Annotated[float, Meta(ge=0, le=1)]
 
 
-class Load(Table):
+class Load(Table, frozen=True):
     """[load]: newtons of one code, least load with a position, touch that the load is corrected for."""
 
     lsb_n: Positive

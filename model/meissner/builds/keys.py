@@ -18,20 +18,20 @@ Eight = Annotated[int, Meta(ge=1, le=8)]
 Side = Annotated[int, Meta(ge=1, le=256)]
 
 
-class Clock(Table):
+class Clock(Table, frozen=True):
     """[clock] of the core."""
 
     mhz: Annotated[float, Meta(ge=1, le=200)]
 
 
-class Channels(Table):
+class Channels(Table, frozen=True):
     """[sensor] of single sensors, each on a channel of one converter."""
 
     kind: Literal["channels"]
     channels: Eight
 
 
-class Taxels(Table):
+class Taxels(Table, frozen=True):
     """[sensor] of an array."""
 
     kind: Literal["array"]
@@ -39,13 +39,13 @@ class Taxels(Table):
     columns: Side
 
 
-class Electrodes(Table):
+class Electrodes(Table, frozen=True):
     """[sensor] of four electrodes."""
 
     kind: Literal["electrodes"]
 
 
-class Adc(Table):
+class Adc(Table, frozen=True):
     """[adc]. ``volts``: full scale; ``sclk_khz``: the part's own where it is not given."""
 
     part: str
@@ -58,7 +58,7 @@ class Adc(Table):
         one_of("part", self.part, PARTS)
 
 
-class ArrayAdc(Adc):
+class ArrayAdc(Adc, frozen=True):
     """[adc] of an array: converters side by side, inputs used of each, wait after a switch."""
 
     converters: Literal[1, 2, 4, 8] = 1
@@ -66,7 +66,7 @@ class ArrayAdc(Adc):
     settle_us: Annotated[float, Meta(ge=0, le=1000)] = 1.0
 
 
-class Link(Table):
+class Link(Table, frozen=True):
     """[link]."""
 
     baud: Annotated[int, Meta(ge=1200, le=50_000_000)] = 3_000_000
@@ -76,7 +76,7 @@ class Link(Table):
     slip_only: bool = False
 
 
-class Array(Table):
+class Array(Table, frozen=True):
     """[array]."""
 
     health: bool = False
@@ -86,7 +86,7 @@ class Array(Table):
     pitch_mm: Positive = 1.0
 
 
-class Health(Table):
+class Health(Table, frozen=True):
     """[health] of taxels, in codes and frames."""
 
     band: int = 2
@@ -96,20 +96,20 @@ class Health(Table):
     blink: int = 120
 
 
-class Tare(Table):
+class Tare(Table, frozen=True):
     """[tare] of taxels."""
 
     contact_codes: int = 64
     step: int = 1
 
 
-class AmplifiedLoad(Load):
+class AmplifiedLoad(Load, frozen=True):
     """[load] of a build, whose converter has its own table."""
 
     gain: Positive = 1.0
 
 
-class File(Table):
+class File(Table, frozen=True):
     """The tables of every build."""
 
     about: str
@@ -121,7 +121,7 @@ class File(Table):
             raise ValueError(f"about = {shown(self.about)} must be one line of text")
 
     @classmethod
-    def unknown(cls, key: str, value: object) -> str | None:
+    def unknown(cls, key: str, value: Any) -> str | None:
         if key == "converter":
             return (
                 "[converter] belongs in a file for `meissner process cop4` (docs/cop4.md); a build has "
@@ -135,7 +135,7 @@ class File(Table):
         return f"unknown table [{shown(key)[1:-1]}]; the tables are: {', '.join(known)}"
 
 
-class ArrayFile(File, kw_only=True):
+class ArrayFile(File, frozen=True, kw_only=True):
     """A build of an array."""
 
     sensor: Taxels
@@ -153,7 +153,7 @@ class ArrayFile(File, kw_only=True):
                 raise ValueError(f"[{key}] is not allowed with {key} = false in [array]")
 
 
-class ElectrodesFile(File, kw_only=True):
+class ElectrodesFile(File, frozen=True, kw_only=True):
     """A build of the four-wire sensor."""
 
     sensor: Electrodes
@@ -168,7 +168,7 @@ class ElectrodesFile(File, kw_only=True):
             raise ValueError(f"[adc]: part = '{self.adc.part}' must be symmetric about 0 V: use the AD7606")
 
 
-class ChannelsFile(File, kw_only=True):
+class ChannelsFile(File, frozen=True, kw_only=True):
     """A build of single sensors; the stages' tables are added below."""
 
     sensor: Channels
@@ -177,7 +177,7 @@ class ChannelsFile(File, kw_only=True):
 
 
 _stages: list[Any] = [(name, stage.Keys | None, None) for name, stage in STAGES.items()]
-FILES: dict[str, type[File]] = {
+FILES: dict[str, Any] = {
     "channels": msgspec.defstruct("StagesFile", _stages, bases=(ChannelsFile,), kw_only=True, frozen=True),
     "array": ArrayFile,
     "electrodes": ElectrodesFile,

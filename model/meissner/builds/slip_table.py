@@ -25,7 +25,7 @@ else:  # a setting of SlipConfig that is on or off is a key of the table
     )
 
 
-class SlipTable(Switches):
+class SlipTable(Switches, frozen=True):
     """The keys of every sensor. ``hop``: the window's where it is not given; times in milliseconds."""
 
     UNIT: ClassVar[str]
@@ -87,7 +87,7 @@ class SlipTable(Switches):
         )
 
 
-class SlipVolts(SlipTable, kw_only=True):
+class SlipVolts(SlipTable, frozen=True, kw_only=True):
     """[slip] of a sensor whose samples are volts."""
 
     UNIT = "v"
@@ -99,7 +99,7 @@ class SlipVolts(SlipTable, kw_only=True):
     release_level_v: float
 
 
-class SlipOfScene(SlipVolts):
+class SlipOfScene(SlipVolts, frozen=True):
     """[slip] of a scene, where the threshold was on the coefficient and times were in seconds."""
 
     RENAMED: ClassVar = {
@@ -114,7 +114,7 @@ class SlipOfScene(SlipVolts):
             raise ValueError("serial = true must go with a build; its decisions are the same")
 
 
-class SlipNewtons(SlipTable, kw_only=True):
+class SlipNewtons(SlipTable, frozen=True, kw_only=True):
     """[slip] of an array, whose samples are the newtons of a taxel."""
 
     UNIT = "n"

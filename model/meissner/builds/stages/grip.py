@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from msgspec import Meta
 
-from meissner.tables import Positive, Table, exact
+from meissner.tables import Positive, Table, exact, values
 from meissner.twins.actuate.actuate import ActuateConfig
 from meissner.twins.actuate.grip import MIN_PERIOD, PERIOD_BITS, GripConfig
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 PARAMETERS = {"Grip": 1}
 
 
-class Keys(Table):
+class Keys(Table, frozen=True):
     """The table; step, decay, the limits, rate and speed_gain are in counts of the command."""
 
     mode: Literal["position", "force"] = "position"
@@ -48,10 +48,9 @@ def config(keys: Keys, base: "Config") -> ActuateConfig:
     if not MIN_PERIOD <= period <= top:
         least, most = MIN_PERIOD / base.clk_khz, top / base.clk_khz
         raise ValueError(f"cycle_ms = {keys.cycle_ms:g} must lie in {least:g} .. {most:g}")
-    counts = ("step", "speed_gain", "boost", "decay", "minimum", "maximum", "rate")
-    counts += ("rule", "mode", "immediate")
+    own = ("cycle_ms", "silent_ms", "rail_samples", "pulse_divide")
     reflex = GripConfig(
-        **{key: getattr(keys, key) for key in counts},
+        **{key: value for key, value in values(keys).items() if key not in own},
         period=period,
         watchdog=max(1, round(exact(keys.silent_ms) / exact(keys.cycle_ms))),
     )

@@ -15,7 +15,7 @@ PARAMETERS = {"ShearSpeed": 1}
 NEEDED_CLOCKS = 70  # from frame to frame, so that no sample waits for the computation of a window
 
 
-class Keys(Table):
+class Keys(Table, frozen=True):
     """The table: dV = (k0 + k1 Vi) v^n of this lot of rubber, and what counts as a rise or as rest."""
 
     k0_v: Positive = 1.55
