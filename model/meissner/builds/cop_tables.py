@@ -33,7 +33,20 @@ class CopSlipKeys(Table, frozen=True):
     refractory_ms: NotNegative = 0.0
 
     def codes(self, rate_hz: float | Fraction, load_lsb_n: float) -> "tuple[int, CopSlipRegisters]":
-        """(lag in samples, the registers), the least load rounded up, the rest to the nearest."""
+        """The settings in samples and codes.
+
+        Parameters
+        ----------
+        rate_hz : float
+            Samples a second.
+        load_lsb_n : float
+            Newtons of one code of the load.
+
+        Returns
+        -------
+        tuple of int and CopSlipRegisters
+            The lag in samples; the registers, the least load rounded up, the rest to the nearest.
+        """
         from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
 
         samples = exact(rate_hz) / 1000

@@ -254,7 +254,22 @@ def _fixed(board: Description, used: bool) -> list[Port]:
 
 
 def assign(board: Description, config: str, parameters: dict[str, int]) -> Plan:
-    """The Plan; ValueError that names what is missing if the board lacks the pins or the clock."""
+    """The pins of a configuration; ValueError that names what is missing if the board lacks pins or the clock.
+
+    Parameters
+    ----------
+    board : Description
+        The board's pins.
+    config : str
+        The configuration's name, for sentences and files.
+    parameters : dict of str to int
+        Parameters of rtl/msn_core.sv.
+
+    Returns
+    -------
+    Plan
+        Every port of the board's top with its pins.
+    """
     mhz = parameters["ClkKhz"] / 1000
     if mhz not in board.clock["core_mhz"]:
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])

@@ -66,7 +66,18 @@ class SlipTable(Switches, frozen=True):
             )
 
     def codes(self, units: Units) -> SlipConfig:
-        """The settings in codes and details; ``units``: of the samples, at any level."""
+        """The settings in codes and details.
+
+        Parameters
+        ----------
+        units : Units
+            Of the samples: volts or newtons per code, and samples per second of a channel; at any level.
+
+        Returns
+        -------
+        SlipConfig
+            Thresholds in codes of a detail, levels in codes of a sum, times in details.
+        """
         units = replace(units, level=self.level)
         volts = self.UNIT == "v"
         detail = units.detail_code if volts else units.detail_code_of_newtons

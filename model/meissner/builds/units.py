@@ -74,7 +74,22 @@ class Units:
     pitch_mm: float | None = None
 
     def code(self, name: str, quantity: str, value: float) -> int:
-        """Code of the register ``name`` for ``value`` volts, newtons or seconds, or ValueError."""
+        """The code of a register for an amount; ValueError for a quantity that the register does not take.
+
+        Parameters
+        ----------
+        name : str
+            "group.register", such as "slip.threshold".
+        quantity : str
+            "volts", "newtons" or "seconds".
+        value : float
+            The amount; of a threshold, the peak to peak of the normalised Haar coefficient.
+
+        Returns
+        -------
+        int
+            Thresholds rounded down, least loads and settling times up, the rest to the nearest.
+        """
         if (name, quantity) not in CODES:
             takes = [other for register, other in CODES if register == name]
             raise ValueError(f"{name} is not set in {quantity}, but in {' or '.join(takes) or 'codes only'}")
@@ -150,7 +165,18 @@ class Units:
         return None if self.newtons_per_code is None else load * self.newtons_per_code
 
     def place(self, x: int, y: int) -> tuple[float, float, float | None, float | None]:
-        """(x, y) of a CoP packet in -1 .. 1, then in mm from the array's middle, or None, None."""
+        """Where a centre of pressure is.
+
+        Parameters
+        ----------
+        x, y : int
+            Of a CoP packet, 14 bits of fraction: -16384 .. 16384, y upwards.
+
+        Returns
+        -------
+        tuple of float
+            x and y in -1 .. 1, then in mm from the array's middle, or None, None if the pitch is not known.
+        """
         across, up = x / (1 << FRACTION_BITS), y / (1 << FRACTION_BITS)
         if self.pitch_mm is None or self.rows is None or self.columns is None:
             return across, up, None, None
