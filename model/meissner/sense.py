@@ -2,8 +2,8 @@
 
 Each class has ``process(x)``, which starts from reset, and ``next(x)``, which continues the last call:
 ``process(x)`` equals the results of ``next`` over any pieces of ``x``. The numbers are bit-exact with the RTL
-(meissner.twins); meissner.engines runs the same on the RTL itself. Results are named as in the files of
-``meissner process``; docs/decisions/host.md lists what each class adds.
+(meissner.twins); meissner.engines runs the same on the RTL itself. Results have the names of the arrays that
+``meissner process`` writes (OUT.npz); docs/decisions/host.md lists what each class adds.
 
 Input that the core cannot take raises ValueError, an argument of the wrong class TypeError, each with one
 sentence. Floats are refused even if they are whole, since volts are a common mistake.
@@ -37,71 +37,114 @@ from meissner.twins.slip.slip import State
 
 
 class SlipResult(NamedTuple):
-    """Results for every detail (2**level samples), [channels, details], then for every window that closes.
+    """Slip of the windows that close, named as in OUT.npz, and of every detail (2**level samples).
 
-    ``slip`` compares only a window's peak-to-peak with the threshold; ``slips`` is the core's decision, which
-    also depends on contact, hold, blanking and movement. Samples are counted from the last reset.
+    Attributes
+    ----------
+    p2p : int64 [channels, windows]
+        Peak-to-peak of the window, in codes.
+    window_end : int64 [windows]
+        Index of the window's last sample, counted from the last reset.
+    slip : bool [channels, windows]
+        ``p2p`` exceeds the threshold. The core's own decision, which also depends on contact, hold, blanking
+        and movement, is ``state``.
+    fired_at : int64 [channels, windows]
+        Index of the sample at which ``slip`` rose in the window, or -1.
+    running_p2p : int64 [channels, details]
+        Peak-to-peak of the window so far, in codes.
+    state : int8 [channels, details]
+        meissner.twins.slip.slip.State: none, contact, incipient, gross, release.
+    slipping : bool [channels, details]
+        The state is incipient or gross.
+    raised : bool [channels, details]
+        ``slipping``, and not one detail before.
     """
 
-    p2p: NDArray[np.int64]  # peak-to-peak of the window so far, in codes
-    state: NDArray[np.int8]  # twins.slip.slip.State: none, contact, incipient, gross, release
-    slips: NDArray[np.bool_]  # the state is incipient or gross
-    raised: NDArray[np.bool_]  # ... and was not one detail before
-    window_p2p: NDArray[np.int64]  # [channels, windows]: p2p at the window's end; p2p of OUT.npz
-    window_end: NDArray[np.int64]  # [windows]: index of the window's last sample
-    slip: NDArray[np.bool_]  # [channels, windows]: window_p2p > threshold
-    fired_at: NDArray[np.int64]  # [channels, windows]: index of the sample at which slip rose, or -1
+    p2p: NDArray[np.int64]
+    window_end: NDArray[np.int64]
+    slip: NDArray[np.bool_]
+    fired_at: NDArray[np.int64]
+    running_p2p: NDArray[np.int64]
+    state: NDArray[np.int8]
+    slipping: NDArray[np.bool_]
+    raised: NDArray[np.bool_]
 
 
 class CopResult(NamedTuple):
-    """Results for every frame."""
+    """The centre of pressure of every frame, named as in OUT.npz.
 
-    x: NDArray[np.int32]  # Q2.14: -16384 at the left edge, 16384 at the right
-    y: NDArray[np.int32]  # Q2.14: -16384 at the bottom edge, 16384 at the top
-    sum: NDArray[np.int64]  # of the forces, in codes
-    valid: NDArray[np.bool_]  # sum >= min_load: x and y are valid
-    mx: NDArray[np.int64]  # first moments: x = mx / ((columns - 1) sum)
+    Attributes
+    ----------
+    x, y : int32 [frames]
+        Q2.14: -16384 at the left and the bottom edge, 16384 at the right and the top.
+    sum : int64 [frames]
+        Of the forces, in codes.
+    valid : bool [frames]
+        ``sum`` reaches ``min_load``: ``x`` and ``y`` are valid.
+    mx, my : int64 [frames]
+        First moments: x = mx / ((columns - 1) sum), in half pitches times codes.
+    """
+
+    x: NDArray[np.int32]
+    y: NDArray[np.int32]
+    sum: NDArray[np.int64]
+    valid: NDArray[np.bool_]
+    mx: NDArray[np.int64]
     my: NDArray[np.int64]
-
-    @property
-    def load(self) -> NDArray[np.int64]:
-        """``sum``, by the core's name."""
-        return self.sum
-
-    @property
-    def pressed(self) -> NDArray[np.bool_]:
-        """``valid``, by the core's name."""
-        return self.valid
 
 
 class Cop4Result(NamedTuple):
-    """Results for every sample."""
+    """Position and load of every sample, named as in OUT.npz, and what is wrong with it.
 
-    x: NDArray[np.int32]  # Q2.14, as in CopResult
+    Attributes
+    ----------
+    x, y : int32 [samples]
+        Q2.14, as in CopResult.
+    load : int64 [samples]
+        In units of ``Cop4Config.load_lsb_n`` newtons.
+    valid : bool [samples]
+        Loaded and without faults: ``x`` and ``y`` are valid.
+    over : bool [samples]
+        The load exceeds its 16 bits.
+    saturated : bool [samples]
+        An electrode is at the end of the converter's range.
+    imbalance : bool [samples]
+        The electrodes' currents disagree.
+    open : int64 [samples]
+        Electrodes without contact; bit 0 is E1.
+    """
+
+    x: NDArray[np.int32]
     y: NDArray[np.int32]
-    load: NDArray[np.int64]  # in units of Cop4Config.load_lsb_n
-    valid: NDArray[np.bool_]  # loaded and without faults: x and y are valid
-    over: NDArray[np.bool_]  # the load exceeds its 16 bits
-    saturated: NDArray[np.bool_]  # an electrode is at the end of the converter's range
-    imbalance: NDArray[np.bool_]  # the electrodes' currents disagree
-    open: NDArray[np.int64]  # electrodes without contact; bit 0 is E1
-
-    @property
-    def pressed(self) -> NDArray[np.bool_]:
-        """``valid``, by the core's name."""
-        return self.valid
+    load: NDArray[np.int64]
+    valid: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    saturated: NDArray[np.bool_]
+    imbalance: NDArray[np.bool_]
+    open: NDArray[np.int64]
 
 
-def _check_class(name, value, wanted):
+def _check_class(name: str, value: object, wanted: type) -> None:
     if not isinstance(value, wanted):
         raise TypeError(f"{name} must be a meissner.{wanted.__name__}, not {type(value).__name__}")
 
 
 class Slip:
-    """Slip of ``channels`` sensors, each with its own state (rtl/slip/msn_slip_path.sv).
+    """Slip of several sensors, each with its own state (rtl/slip/msn_slip_path.sv).
 
-    ``config``: thresholds in codes, times in details. TypeError if it is no SlipConfig, ValueError for a
-    number of channels that no core has.
+    Parameters
+    ----------
+    config : SlipConfig, optional
+        Thresholds in codes, times in details; the defaults of SlipConfig.
+    channels : int
+        Number of sensors.
+
+    Raises
+    ------
+    TypeError
+        If ``config`` is no SlipConfig.
+    ValueError
+        For a number of channels that no core has.
     """
 
     def __init__(self, config: SlipConfig | None = None, channels: int = 1) -> None:
@@ -127,9 +170,17 @@ class Slip:
     def next(self, x: ArrayLike, moving: ArrayLike | None = None) -> SlipResult:
         """Decisions about the details and windows that ``x`` completes.
 
-        ``x``: codes, integers of 17 bits [channels, samples], or [samples] of one channel; it may be empty.
-        ``moving``: bool [samples]; while the hand itself moves no slip is raised. ValueError for another
-        shape, floats and codes of more than 17 bits; the state then stays.
+        Parameters
+        ----------
+        x : integers [channels, samples], or [samples] of one channel
+            Codes of 17 bits; it may be empty.
+        moving : bool [samples], optional
+            The hand itself moves: no slip is raised.
+
+        Raises
+        ------
+        ValueError
+            For another shape, floats and codes of more than 17 bits; the state then stays.
         """
         x = np.atleast_2d(np.asarray(x))
         if x.ndim != 2 or len(x) != self.channels:
@@ -144,17 +195,19 @@ class Slip:
         first = self._seen // self._group
         self._seen += x.shape[1]
         detail, total = self._haar.next(x)
-        p2p, end = self._peak_to_peak.next(detail)
-        state = self._slip.next(p2p, total, moving)
-        slips = (state == State.INCIPIENT) | (state == State.GROSS)
-        before = np.concatenate([self._slipped, slips], axis=1)
+        running, end = self._peak_to_peak.next(detail)
+        state = self._slip.next(running, total, moving)
+        slipping = (state == State.INCIPIENT) | (state == State.GROSS)
+        before = np.concatenate([self._slipped, slipping], axis=1)
         self._slipped = before[:, -1:]
         window_end = (first + np.flatnonzero(end) + 1) * self._group - 1
-        over = p2p > self.config.threshold
-        windows = (p2p[:, end], window_end, over[:, end], self._fired(over, window_end, over[:, end]))
-        return SlipResult(p2p, state, slips, slips & ~before[:, :-1], *windows)
+        over = running > self.config.threshold
+        windows = (running[:, end], window_end, over[:, end], self._fired(over, window_end, over[:, end]))
+        return SlipResult(*windows, running, state, slipping, slipping & ~before[:, :-1])
 
-    def _fired(self, over, window_end, slip):
+    def _fired(
+        self, over: NDArray[np.bool_], window_end: NDArray[np.int64], slip: NDArray[np.bool_]
+    ) -> NDArray[np.int64]:
         """The sample at which the flag of each window rose: in tumbling windows, its first detail over."""
         rose = np.broadcast_to(window_end, slip.shape)
         if self.config.hop == self.config.window:
@@ -173,19 +226,35 @@ class Slip:
 
 
 class Cop:
-    """Centre of pressure and load of frames of forces (rtl/cop/msn_cop.sv); no state between frames.
+    """Centre of pressure and sum of frames of forces (rtl/cop/msn_cop.sv); no state between frames.
 
-    ``min_load``: the smallest sum with a valid position. ValueError if no core's register holds it.
+    Parameters
+    ----------
+    min_load : int
+        The smallest sum with a valid position, in codes.
+
+    Raises
+    ------
+    ValueError
+        If no core's register holds ``min_load``.
     """
 
     def __init__(self, min_load: int = 1) -> None:
         self.min_load = check_min_load(min_load)
 
     def next(self, forces: ArrayLike) -> CopResult:
-        """Results for ``forces``, integers 0 .. 65535 [frames, rows, columns], 1024 × 1024 at most.
+        """Results for frames of forces.
 
-        ValueError for another shape, no frames, floats, forces out of range and a ``min_load`` beyond the
-        register of an array of this size.
+        Parameters
+        ----------
+        forces : integers [frames, rows, columns]
+            0 .. 65535, of 1024 × 1024 taxels at most.
+
+        Raises
+        ------
+        ValueError
+            For another shape, no frames, floats, forces out of range and a ``min_load`` beyond the register
+            of an array of this size.
         """
         forces = check_forces(forces, floats=False)
         rows, columns = forces.shape[1:]
@@ -202,9 +271,19 @@ class Cop:
 class Array:
     """A calibrated array: codes to forces to the centre of pressure (rtl/sensor/msn_array_forces.sv).
 
-    ``calibration``: from meissner.calibration.load or ``fit``; faulty cells give 0. ``min_load``: as in Cop.
-    TypeError if ``calibration`` is no Calibration, ValueError if the array's register does not hold
-    ``min_load``.
+    Parameters
+    ----------
+    calibration : Calibration
+        From meissner.calibration.load or ``fit``; faulty cells give 0.
+    min_load : int
+        As in Cop.
+
+    Raises
+    ------
+    TypeError
+        If ``calibration`` is no Calibration.
+    ValueError
+        If the array's register does not hold ``min_load``.
     """
 
     def __init__(self, calibration: Calibration, min_load: int = 1) -> None:
@@ -213,9 +292,17 @@ class Array:
         self.calibration, self._cop = calibration, Cop(min_load)
 
     def forces(self, codes: ArrayLike) -> NDArray[np.int64]:
-        """Forces 0 .. 65535 of codes, integers of 17 bits [frames, rows, columns].
+        """Forces of codes, 0 .. 65535 [frames, rows, columns], in steps of ``calibration.force_lsb_n``.
 
-        ValueError for another shape than the calibration's, no frames, floats and codes of more than 17 bits.
+        Parameters
+        ----------
+        codes : integers [frames, rows, columns]
+            Of 17 bits.
+
+        Raises
+        ------
+        ValueError
+            For another shape than the calibration's, no frames, floats and codes of more than 17 bits.
         """
         own = self.calibration
         codes = check_codes(codes, own.offset.shape, floats=False)
@@ -233,7 +320,15 @@ class Array:
 class Cop4:
     """Position and load of the published four-wire sensor (rtl/cop/msn_cop4.sv); no state between samples.
 
-    ``config``: mesh, amplifiers and converter; TypeError if it is no Cop4Config.
+    Parameters
+    ----------
+    config : Cop4Config
+        Mesh, amplifiers and converter.
+
+    Raises
+    ------
+    TypeError
+        If ``config`` is no Cop4Config.
     """
 
     def __init__(self, config: Cop4Config) -> None:
@@ -241,9 +336,17 @@ class Cop4:
         self.config = config
 
     def next(self, codes: ArrayLike) -> Cop4Result:
-        """Results for the codes of E1 to E4, integers of the converter's bits [samples, 4].
+        """Results for the codes of the electrodes.
 
-        ValueError for another shape, no samples, floats and codes that the converter does not give.
+        Parameters
+        ----------
+        codes : integers [samples, 4]
+            Of E1 to E4, in the converter's bits.
+
+        Raises
+        ------
+        ValueError
+            For another shape, no samples, floats and codes that the converter does not give.
         """
         own = self.config
         codes = check_electrodes(codes, own.adc.bits, floats=False)

@@ -5,7 +5,7 @@
 //   out = Constant * in
 //
 // In canonical signed digits: Constant = Plus - Minus with as few bits set as possible and no two set bits
-// adjacent; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/constant_multiplier.py
+// adjacent; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/arithmetic.py
 // Error: none (docs/extremes.md).
 
 module msn_constant_multiplier #(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // First in, first out: Depth entries in memory and two registers after it. Latency 3 clocks, one entry a clock.
-// Model: model/meissner/twins/common/fifo.py
+// Model: model/meissner/twins/common/handshake.py
 
 module msn_fifo #(
   parameter int unsigned Depth = 16,  // a power of two

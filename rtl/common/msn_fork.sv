@@ -3,7 +3,7 @@
 // One stream for two consumers: each takes every word once, independently; the next word follows when both have it.
 //
 // Latency 0 clocks, a word a clock. The data bypass this block: both consumers read the source's.
-// Model: model/meissner/twins/common/fork.py
+// Model: model/meissner/twins/common/handshake.py
 
 module msn_fork (
   input  logic clk_i,

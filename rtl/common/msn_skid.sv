@@ -4,7 +4,7 @@
 //
 //   out = in, in order; the one word that arrives while the consumer stalls is held
 //
-// Latency 0 clocks, a word a clock.   Model: model/meissner/twins/common/skid.py
+// Latency 0 clocks, a word a clock.   Model: model/meissner/twins/common/handshake.py
 
 module msn_skid #(
   parameter int unsigned Width = 16

@@ -6,7 +6,7 @@ import pytest
 from cocotb.triggers import Timer
 
 import bench
-from meissner.twins.common.compare import compare
+from meissner.twins.common.arithmetic import compare
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

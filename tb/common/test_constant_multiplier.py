@@ -8,7 +8,7 @@ import pytest
 from cocotb.triggers import Timer
 
 import bench
-from meissner.twins.common.constant_multiplier import constant_multiplier
+from meissner.twins.common.arithmetic import constant_multiplier
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -7,7 +7,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.common.fifo import fifo
+from meissner.twins.common.handshake import fifo
 
 
 def beats_of(dut, count):

@@ -7,7 +7,7 @@ import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.common.fork import fork
+from meissner.twins.common.handshake import fork
 
 
 async def run(dut, words, gap=0.0, stalls=(0.0, 0.0)):

@@ -72,7 +72,7 @@ async def matches_model(dut, pause_rate):
         dut.write_i.value = 0
 
 
-# The netlist of `make mutants` is without what is only for simulation.
+# The netlist of mutants is without what is only for simulation.
 @bench.applies(lambda dut: "MEISSNER_MUTANTS" not in os.environ)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_word_that_is_written_as_it_is_read_shows(dut):

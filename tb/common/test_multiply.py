@@ -8,7 +8,7 @@ from cocotb.triggers import FallingEdge
 
 import bench
 from meissner.builds import toolchain
-from meissner.twins.common.multiply import multiply
+from meissner.twins.common.arithmetic import multiply
 
 LATENCY = 2
 ECP5 = [

@@ -8,7 +8,7 @@ from cocotb.triggers import FallingEdge
 from cocotb.utils import get_sim_time
 
 import bench
-from meissner.twins.common.skid import skid
+from meissner.twins.common.handshake import skid
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -97,27 +97,6 @@ def test_lanes_follow_the_width():
     assert [rtl_cop.lanes(columns) for columns in (1, 5, 15, 16, 33, 1024)] == [1, 1, 1, 8, 8, 8]
 
 
-@pytest.mark.parametrize(
-    "x, message",
-    [
-        (np.zeros((4, 4), int), "shape"),
-        (np.zeros((0, 4, 4), int), "shape"),
-        (np.zeros((1, 1025, 1), int), "1025 rows"),
-        (np.zeros((1, 1, 1025), int), "1025 columns"),
-        (np.full((1, 2, 2), -1), "lie in -1 .. -1, outside 0 .. 65535"),
-        (np.full((1, 2, 2), 65536), "outside"),
-        (np.full((1, 2, 2), 2**63, np.uint64), "outside"),
-        (np.full((1, 2, 2), np.nan), "NaN or infinity"),
-        (np.full((1, 2, 2), np.inf), "NaN or infinity"),
-        (np.full((1, 2, 2), 0.5), "not integers"),
-        (np.full((1, 2, 2), "a"), "must be integers"),
-    ],
-)
-def test_refuses_forces(x, message):
-    with pytest.raises(ValueError, match=message):
-        engines.process_cop(x, "fixed")
-
-
 @pytest.mark.parametrize("min_load", [-1, 1 << 18])
 def test_refuses_a_least_load_that_no_register_holds(min_load):
     with pytest.raises(ValueError, match=f"min-load = {min_load} "):

@@ -137,26 +137,6 @@ def test_moving_and_blanking_reach_the_core():
     assert np.array_equal(ours.state, theirs.state)
 
 
-@pytest.mark.parametrize(
-    "x, message",
-    [
-        (np.zeros((2, 3, 100)), "shape"),
-        (np.zeros((0, 100), int), "shape"),
-        (np.full(100, np.nan), "NaN"),
-        (np.full(100, np.inf), "NaN or infinity"),
-        (np.full(100, 0.5), "not integers"),
-        (np.full(100, 65536), "outside -65536 .. 65535"),
-        (np.full(100, -65537), "outside"),
-        (np.zeros((4097, 64), int), "more than the core's 4096"),
-        (np.array(["a"] * 100), "must be integers"),
-        (np.zeros(63, int), "do not fill one window of 64"),
-    ],
-)
-def test_refuses_samples(x, message):
-    with pytest.raises(ValueError, match=message):
-        engines.process_slip(x, SlipConfig(), "fixed")
-
-
 def test_takes_samples_of_any_width_of_number():
     x = noise(1, 200)
     for kind in (np.int8, np.float16, np.float32, np.longdouble):

@@ -6,8 +6,7 @@ import hypothesis.strategies as st
 import mpmath
 
 from meissner.twins.common import (
-    compare,
-    constant_multiplier,
+    arithmetic,
     divide,
     exp2,
     frame_filter,
@@ -15,7 +14,6 @@ from meissner.twins.common import (
     frame_owed,
     hypot,
     log2,
-    multiply,
     ratio,
     round_sat,
 )
@@ -29,13 +27,13 @@ def compare_(see):
         low, high = exact.signed(width)
         numbers = exact.ends(low, high)
         a, b = zip(*[(x, y) for x in numbers for y in numbers])
-        got = compare.compare(a, b, width)
+        got = arithmetic.compare(a, b, width)
         for x, y, is_greater in zip(a, b, got):
             see.near(bool(is_greater), x - y > 0, (width, x, y))
         for outside in (low - 1, high + 1) if width < 63 else ():
-            see.refused(compare.compare, outside, 0, width)
-            see.refused(compare.compare, 0, outside, width)
-    see.refused(compare.compare, 0, 0, 0)
+            see.refused(arithmetic.compare, outside, 0, width)
+            see.refused(arithmetic.compare, 0, outside, width)
+    see.refused(arithmetic.compare, 0, 0, 0)
     see.elaborates("compare", [{"Width": width} for width in (1, 2, 18, 63, 64)])
 
 
@@ -49,12 +47,12 @@ def constant_multiplier_(see):
     constants = [0, 1, 2, 3, 63, 64, 65, 0x5555, 0xAAAA, 32767, 32768, 32769, 65534, 65535]
     for one in see.covering(Constant=constants, InBits=[1, 2, 16, 28, 36, 46, 47]):
         numbers = exact.ends(0, 2 ** one["InBits"] - 1)
-        got = constant_multiplier.constant_multiplier(numbers, one["Constant"])
+        got = arithmetic.constant_multiplier(numbers, one["Constant"])
         wanted = [sum(x << k for k in range(16) if one["Constant"] >> k & 1) for x in numbers]
         see.all_near(got.tolist(), wanted, [(one["Constant"], x) for x in numbers])
     see.elaborates("constant_multiplier", see.covering(Constant=constants, InBits=[1, 2, 16, 36, 47]))
     for constant in (-1, 65536):
-        see.refused(constant_multiplier.constant_multiplier, 1, constant)
+        see.refused(arithmetic.constant_multiplier, 1, constant)
 
 
 @row(
@@ -70,11 +68,11 @@ def multiply_(see):
             for a in exact.ends(*exact.signed(one["AWidth"]))
             for b in exact.ends(0, 2 ** one["BWidth"] - 1)
         ]
-        got = multiply.multiply(*zip(*pairs), one["AWidth"], one["BWidth"])
+        got = arithmetic.multiply(*zip(*pairs), one["AWidth"], one["BWidth"])
         see.all_near(got.tolist(), [sum(a for _ in range(b)) if b < 9 else a * b for a, b in pairs], pairs)
     see.elaborates("multiply", see.covering(AWidth=[2, 18], BWidth=[1, 17]))
     for widths in ((1, 16), (19, 16), (18, 0), (18, 18)):
-        see.refused(multiply.multiply, 1, 1, *widths)
+        see.refused(arithmetic.multiply, 1, 1, *widths)
 
 
 @row(

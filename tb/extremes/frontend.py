@@ -579,9 +579,7 @@ def forces_(see, row_column):
     top = 2**16 - 1 if gain_bits == 16 else (2**16 - 1) ** 2
 
     def check(raws, offset, gain, shift, bits):
-        got = calibrate.forces(
-            raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits
-        ).tolist()
+        got = calibrate.forces(raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits).tolist()
         for raw, force in zip(raws, got):
             value = Fraction((raw - offset) * gain, 2**shift)
             place = f"({raw} - {offset}) {gain} / 2^{shift}, {bits} bits"

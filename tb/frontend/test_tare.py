@@ -63,7 +63,10 @@ async def begin(dut, **inputs):
 
 async def status_is(dut, twin):
     await bench.clocks(dut, 12)
-    found = {name.removeprefix("state_"): n for name, n in members.of("tare_status", bench.read(dut.status_o)).items()}
+    found = {
+        name.removeprefix("state_"): n
+        for name, n in members.of("tare_status", bench.read(dut.status_o)).items()
+    }
     assert found == {name: int(getattr(twin, name)) for name in found}
 
 
@@ -135,7 +138,11 @@ async def settings_of_every_size(dut):
     rng = np.random.default_rng(bench.SEED)
     settings = await begin(dut)
     for ones in (0x55555, 0xAAAAA, 0):
-        twin = twin_of(dut, contact=ones & (1 << min(17, len(dut.in_data_i) // dut.Lanes.value.to_unsigned())) - 1, step=ones & 255)
+        twin = twin_of(
+            dut,
+            contact=ones & (1 << min(17, len(dut.in_data_i) // dut.Lanes.value.to_unsigned())) - 1,
+            step=ones & 255,
+        )
         settings.put(contact=twin.contact, step=twin.step)
         await bench.reset(dut)
         await settings.pulse(dut.clk_i, load=1)

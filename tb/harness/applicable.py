@@ -47,8 +47,8 @@ def applies(condition, long=False):
 
 
 def whole(dut):
-    """Whether the sources themselves were built: in a netlist of mutants (verify.mutate) the inner blocks can
-    be read, but not driven."""
+    """Whether the sources themselves were built: in a netlist of mutants (nightly.mutate) the inner blocks
+    can be read, but not driven."""
     return not hasattr(dut, "mutsel")
 
 

@@ -57,7 +57,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     if shared_builds.collecting(block, parameters, sources or include or inside):
         return
     module = module or f"test_{block}"
-    evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/coverage.md
+    evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/verification.md
     where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
     alone = sources or include or inside or evidence or POWERUPS or SIM != "verilator"
     sizes = [] if alone else shared_builds.group(block, parameters)

@@ -116,10 +116,10 @@ def test_regs_in_physical_units(meissner, tmp_path):
         assert (code, err) == (0, "")
         assert [text.split()[1] for text in out.splitlines()] == ["23", "7045"]
         for given, sentence in (
-            ("slip.threshold=1N", "not known to be forces"),
-            ("slip.hold=1V", "not set in volts, but in seconds"),
-            ("slip.hold=0.0.5s", "'0.0.5s' is neither an integer nor"),
-            ("adc.drapped=1V", "there is no register 'adc.drapped'"),
+            ("slip.threshold=1N", "forces"),
+            ("slip.hold=1V", "seconds"),
+            ("slip.hold=0.0.5s", "0.0.5s"),
+            ("adc.drapped=1V", "adc.drapped"),
         ):
             code, out, err = meissner("regs", "--config", rubber, pty.url, given)
             assert (code, out) == (2, "") and sentence in err and len(err.splitlines()) == 1

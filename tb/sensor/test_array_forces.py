@@ -31,9 +31,15 @@ def twin_of(dut):
     """As it is when the preset gains are in use."""
     size = [number(dut, name) for name in ("Rows", "Columns", "Lanes")]
     health, tare, log2 = (number(dut, name) for name in ("Health", "Tare", "TareLog2"))
-    kinds = {"row_column": bool(number(dut, "RowColumn")), "gain_shift": number(dut, "GainShift"), "min_load": 2}
+    kinds = {
+        "row_column": bool(number(dut, "RowColumn")),
+        "gain_shift": number(dut, "GainShift"),
+        "min_load": 2,
+    }
     kinds |= {"fraction_bits": number(dut, "FractionBits"), "bits_per_clock": number(dut, "BitsPerClock")}
-    twin = ArrayForces(*size, LIMITS if health else None, TARE | {"tare_log2": log2} if tare else None, **kinds)
+    twin = ArrayForces(
+        *size, LIMITS if health else None, TARE | {"tare_log2": log2} if tare else None, **kinds
+    )
     for of_row, word, offset, gain in preset(*size, PRESET, kinds["row_column"]):
         twin.calibrate.table.put(of_row, word, slice(None), offset, gain)
     twin.calibrate.swap()
@@ -57,7 +63,9 @@ class Line:
         self.length = twin.rows * self.row_beats
         limits = {f"health_{name}": value for name, value in members.limits(LIMITS).items()}
         tare = {f"tare_{name}": value for name, value in TARE.items()}
-        self.settings = members.Settings(dut, "cfg", **limits, **tare, calibrate_preset=PRESET, cop_min_load=2)
+        self.settings = members.Settings(
+            dut, "cfg", **limits, **tare, calibrate_preset=PRESET, cop_min_load=2
+        )
         await bench.start(dut, sample_ready_i=0, health_ready_i=1)
         await bench.clocks(dut, self.length + twin.rows + 12)  # until the preset gains are in use
         cocotb.start_soon(self.watch())
@@ -90,7 +98,13 @@ class Line:
                 low, high = bench.width(min(table.offset_bits, 17))
                 offset, gain = int(rng.integers(low, high)), int(rng.integers(1 << 16))
             table.put(of_row, word, lane, offset, gain)
-            entry = {"word": word, "offset": offset, "gain": gain, "write_row": of_row, "write_lanes": 1 << lane}
+            entry = {
+                "word": word,
+                "offset": offset,
+                "gain": gain,
+                "write_row": of_row,
+                "write_lanes": 1 << lane,
+            }
             entry = {f"calibrate_{name}": value for name, value in entry.items()}
             await self.settings.pulse(self.dut.clk_i, calibrate_write_written=1, **entry)
         await self.settings.pulse(self.dut.clk_i, calibrate_swap=1)
@@ -172,7 +186,9 @@ class Line:
             ("tare", ("state_taring", "state_pressed", "state_loading", "tared", "refused", "swallowed")),
         ):
             if getattr(twin, stage):
-                values = ((name, getattr(getattr(twin, stage), name.removeprefix("state_"))) for name in names)
+                values = (
+                    (name, getattr(getattr(twin, stage), name.removeprefix("state_"))) for name in names
+                )
                 expected |= {f"{stage}_{name}": int(value) for name, value in values}
         assert found == expected
 

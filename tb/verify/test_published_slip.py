@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from meissner.physics.adc import PARTS
-from published import Row, Table, _shear, _wavelets
+from published import _shear, _wavelets
 
 
 def test_a_step_is_the_published_line_to_what_its_distance_leaves():
@@ -52,15 +52,3 @@ def test_the_first_flag_is_the_first_detail_over_the_threshold_in_its_window(ste
 def test_a_panels_columns_keep_the_greatest():
     kept = _wavelets.columns(np.array([[1, 5, 2, 2, 9, 0, 3]]), 3)
     assert kept.tolist() == [[5, 2, 9]]
-
-
-def test_every_row_of_the_shear_page_says_all(monkeypatch):
-    monkeypatch.setattr(_shear, "SEEDS", range(1, 3))
-    _shear.leads.cache_clear()
-    parts = _shear.compute()
-    rows = [part for part in parts if isinstance(part, Row)]
-    assert len(rows) > 25 and sum(isinstance(part, Table) for part in parts) == 2
-    for row in rows:
-        assert row.figure and row.what and row.published and row.ours, row
-        assert "nan" not in row.ours and "|" not in row.ours + row.published
-    _shear.leads.cache_clear()

@@ -145,6 +145,8 @@ def blocks(*parts):
         kept = area.recorded(area.BLOCKS, "make fmax FMAX=--record")
         texts = []
         for key, template in parts:
+            if key not in kept:
+                raise ValueError(f"{key} is not measured: make fmax FMAX=\"--record '{key.split()[0]}'\"")
             entry = kept[key] | kept[key]["area"]
             texts.append(template.format(**entry, frames=int(1e6 * entry["mhz_worst"] / BEATS)))
         return "".join(texts)
@@ -233,23 +235,23 @@ ROWS = {
         ),
         "`make fmax FMAX=\"'cop-64x64-q14*'\"`",
     ),
-    "cop_array": Row(
+    "array_forces": Row(
         "the same calibrated",
         blocks(
-            ("cop_array-64x64 ecp5", "{clocks} clocks; {ns:.0f} ns on ECP5-25k (64×64)"),
-            ("cop_array-32x32 up5k", ", {ns:.0f} ns on UP5K (32×32)"),
+            ("array_forces-64x64 ecp5", "{clocks} clocks; {ns:.0f} ns on ECP5-25k (64×64)"),
+            ("array_forces-32x32 up5k", ", {ns:.0f} ns on UP5K (32×32)"),
         ),
-        "`make fmax FMAX=\"'cop_array*'\"`",
+        "`make fmax FMAX=\"'array_forces*'\"`",
     ),
     "cop_1024": Row(
         "CoP of 1024×1024, 8 lanes",
         blocks(("cop-1024x1024x8-q14-turn1 ecp5", "{frames:,} frames/s at {mhz_worst:.1f} MHz")),
         "`make fmax FMAX=\"'cop-1024*'\"`",
     ),
-    "cop_array_1024": Row(
+    "array_forces_1024": Row(
         "the same calibrated, row × column",
-        blocks(("cop_array-1024x1024x8 ecp5", "{frames:,} frames/s at {mhz_worst:.1f} MHz")),
-        "`make fmax FMAX=\"'cop_array*'\"`",
+        blocks(("array_forces-1024x1024x8 ecp5", "{frames:,} frames/s at {mhz_worst:.1f} MHz")),
+        "`make fmax FMAX=\"'array_forces*'\"`",
     ),
     "cop_budget": Row(
         "CoP by size, scan and computation counted separately",

@@ -97,6 +97,7 @@ NO_STREAM = {"in_valid_i": 0, "in_data_i": 0, "in_ready_o": None}
 NO_PINS = {"adc_miso_i": 0}
 
 # Name: module, parameters, latency in clocks for the ns figure (or None), targets, tied ports (or nothing).
+ALONE = {"Health": 0, "Tare": 0, "Tap": 0}  # calibration and centre of pressure
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
 TABLE = {
     "slip-1024": ("msn_channels", {"Channels": 1024}, 6, "ecp5 up5k"),
@@ -130,11 +131,11 @@ TABLE = {
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
     "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
     **dict(cop_entries()),
-    "cop_array-64x64": ("msn_cop_array", {"Rows": 64, "Columns": 64}, 14, "ecp5"),
-    "cop_array-32x32": ("msn_cop_array", {"Rows": 32, "Columns": 32}, 14, "ecp5 up5k"),
-    "cop_array-1024x1024x8": (
-        "msn_cop_array",
-        LARGE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
+    "array_forces-64x64": ("msn_array_forces", {"Rows": 64, "Columns": 64} | ALONE, 14, "ecp5"),
+    "array_forces-32x32": ("msn_array_forces", {"Rows": 32, "Columns": 32} | ALONE, 14, "ecp5 up5k"),
+    "array_forces-1024x1024x8": (
+        "msn_array_forces",
+        LARGE | ALONE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
         36,
         "ecp5",
     ),

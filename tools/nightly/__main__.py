@@ -16,6 +16,7 @@ import json
 import os
 import queue
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -109,7 +110,7 @@ def one(kind, block, out, jobs):
 def run(checks, jobs, seconds, told):
     """Run the checks, ``jobs`` at a time, for at most so many seconds (None: to the end)."""
     until = None if seconds is None else time.monotonic() + seconds
-    waiting, late = queue.SimpleQueue(), threading.Event()
+    waiting, late, lock = queue.SimpleQueue(), threading.Event(), threading.Lock()
     for check in checks:
         waiting.put(check)
     each = max(1, jobs // max(1, len(checks)))  # a single check may use all processors
@@ -121,23 +122,24 @@ def run(checks, jobs, seconds, told):
             except queue.Empty:
                 return
             facts = start(check, each)
-            if not late.is_set():
-                check.facts = facts
-                told(check)
+            with lock:
+                if not late.is_set():
+                    check.facts = facts
+                    told(check)
 
     workers = [threading.Thread(target=work) for _ in range(jobs)]
     for worker in workers:
         worker.start()
-    for worker in workers:
-        worker.join(None if until is None else max(0, until - time.monotonic()))
-    if any(worker.is_alive() for worker in workers):
+    try:
+        for worker in workers:
+            worker.join(None if until is None else max(0, until - time.monotonic()))
+    finally:  # also if the user interrupts
         late.set()
-        for check in checks:
-            if process := check.process:
+        while any(worker.is_alive() for worker in workers):
+            for process in [check.process for check in checks if check.process]:
                 with contextlib.suppress(ProcessLookupError):  # it has just ended
                     os.killpg(process.pid, signal.SIGKILL)
-        for worker in workers:
-            worker.join()
+            time.sleep(0.1)
 
 
 def write(checks, heading):
@@ -207,6 +209,7 @@ def main():
     if not checks:
         parser.exit(REFUSED, f"nightly: nothing to run; {page.untouched(shared)}\n")
     warm_up()
+    shutil.rmtree(FOLDER, ignore_errors=True)  # it holds one run
     minutes = given.minutes if given.minutes is not None else MINUTES if given.since else 0
     heading = page.heading(kinds, given.blocks, given.since, shared)
     last = [check for check in checks if check.block == cover.SHARED]  # it reads what the others counted

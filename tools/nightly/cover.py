@@ -189,7 +189,7 @@ def run(block, limits, jobs=1):
     }
     spread = ["-n", str(jobs), "--dist", "worksteal"] if jobs > 1 else ["-p", "no:xdist"]
     tests = [path.relative_to(ROOT).as_posix() for path in evidence.tests_of(block)]
-    command = [sys.executable, "-m", "pytest", *spread, *tests, "-m", "not long"]
+    command = [sys.executable, "-m", "pytest", *spread, *tests, "-m", "not long", "--timeout", "7200"]
     failed = subprocess.run(command, cwd=ROOT, env=environment).returncode
     paths, traces = sorted(folder.glob("counts/*/*.dat")), sorted(folder.glob("python/data*"))
     if not paths or not traces:

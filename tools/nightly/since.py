@@ -16,7 +16,7 @@ ROOT = toolchain.ROOT
 KINDS = ("proofs", "netlists", "faults", "mutants", "coverage")  # boards take too long: only if asked
 AROUND = ("proofs", "netlists", "faults")
 TABLES = {"tb/formal/proofs.toml", "tb/coverage/waivers.toml", "tb/limits.toml"}
-SHARED = re.compile(r"tools/nightly/.*|tb/\w+\.py|tb/reference/.*")  # what the checks of all blocks rest on
+SHARED = re.compile(r"tools/nightly/.*|tb/\w+\.py|tb/(harness|reference)/.*")  # what all blocks rest on
 
 
 def git(*arguments):

@@ -101,9 +101,7 @@ def budget(
 
     def found_with(lanes, channels):
         scan = scan_of(rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier)
-        array = Array(
-            scan, Limits() if health else None, {} if tare else None, bits_per_clock=bits_per_clock
-        )
+        array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock=bits_per_clock)
         clocks, steps = terms(array, settle)
         total = sum(clocks.values())
         assert total == steps["total"]

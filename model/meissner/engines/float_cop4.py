@@ -11,7 +11,6 @@ import numpy as np
 from meissner.engines import COP_ONE
 from meissner.physics.mesh.correction import load_terms
 from meissner.twins.cop.cop4 import LOAD_BITS, Cop4
-from meissner.twins.cop.cop_slip import CopSlipResult
 
 
 def _ratio(above, below, where):
@@ -84,6 +83,8 @@ def cop_slip(codes, config, lag, registers):
     slip where the load fell by more than a share of its value ``lag`` samples earlier while a coordinate
     moved; dx, dy in units of Q2.14, with fractions; the octant is the nearest by angle.
     """
+    from meissner.twins.cop.cop_slip import CopSlipResult
+
     found = cop4(codes, config)
     x, y, load, _ = measure(codes, config)
     pressed, count = found.pressed, len(load)

@@ -4,7 +4,7 @@ from meissner import interval, scenes
 from meissner.fit_rubber import STEPS
 from meissner.scenes.results import Result, head, numbered, table
 from meissner.scenes.rubber.judge import judge
-from meissner.scenes.shear import estimate, pictures
+from meissner.scenes.shear import pictures
 from meissner.scenes.shear.judge import ANSWERS, answer, measured, sloped
 from meissner.scenes.shear.scene import check_supply as check
 from meissner.scenes.slip_rates import rates
@@ -32,7 +32,11 @@ def run(scene, engine, seed, waves, progress):
     """The Result of every case with its seeds."""
     core = TimedEngine(engine, scene.features)
     config, seeds = scene.slip_config(), range(seed, seed + scene.seeds)
-    estimator = estimate.Estimator(scene, core) if "shear_speed" in scene.features else None
+    estimator = None
+    if "shear_speed" in scene.features:
+        from meissner.scenes.shear import estimate  # here: other kinds need no estimator
+
+        estimator = estimate.Estimator(scene, core)
     found, shown = {case: [] for case in scene.cases}, {}
     samples, over_range = 0, 0
     for case, number in progress([(case, number) for case in scene.cases for number in seeds]):
@@ -84,6 +88,8 @@ def _amount(summary):
 
 
 def _speed(summary):
+    from meissner.scenes.shear import estimate
+
     lines = table(summary["constants"])
     error = 100 * summary["speed_error"]["mean"]
     return [
