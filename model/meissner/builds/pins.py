@@ -254,7 +254,7 @@ def _fixed(board: Description, used: bool) -> list[Port]:
 
 
 def assign(board: Description, config: str, parameters: dict[str, int]) -> Plan:
-    """The pins of a configuration; ValueError that names what is missing if the board lacks pins or the clock.
+    """The pins of a configuration; ValueError that names what is missing: lines without a pin, or the clock.
 
     Parameters
     ----------
