@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from meissner.tables import exact
+from meissner.tables import exact, naming
 
 FRACTION_BITS = 14  # of x and y in a CoP packet
 CODES = {  # (register, quantity): method of Units that converts the amount to a code
@@ -95,7 +95,8 @@ class Units:
             raise ValueError(f"{name} is not set in {quantity}, but in {' or '.join(takes) or 'codes only'}")
         if not np.isfinite(value):
             raise ValueError(f"{name} = {value} {quantity} must be a finite number")
-        found = getattr(self, CODES[name, quantity])(value)
+        with naming(name):
+            found: int = getattr(self, CODES[name, quantity])(value)
         if name in ("adc.period", "scan.period") and not found:
             raise ValueError(
                 f"{name} = {value:g} {quantity} is less than one clock, and a register value of 0 selects "
