@@ -3,15 +3,9 @@
 // Centre of pressure and load of each frame of forces: msn_cop_accumulate, then msn_cop_divide.
 //
 // Latency after a frame's last beat: 3 + log2(Lanes) clocks and the divider's Steps, the same in every
-<<<<<<< HEAD
 // frame: 11 at one lane, Q2.14 and two bits a clock. Frames of Steps + 1 beats or more never wait.
 // Model: model/meissner/twins/cop/cop.py
-// Error: at most 1/2 LSB of x, y (docs/extremes.md).
-=======
-// frame: 11 at one lane, Q2.14 and two bits a clock. Frames of Steps + 1 beats or more never wait; with a
-// pipelined divider no frame waits.   Model: model/meissner/twins/cop/cop.py
 // Error: at most 1/2 LSB of x, y (tb/extremes).
->>>>>>> wt_kinds
 
 module msn_cop #(
   parameter  int unsigned Rows         = 64,

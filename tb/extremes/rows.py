@@ -31,16 +31,6 @@ import numpy as np
 from extremes.pairs import covering
 from meissner.builds import toolchain
 
-<<<<<<< HEAD:tools/verify/extremes.py
-FOLDER = toolchain.ROOT / "tb/extremes"
-TOPS = {  # blocks without a stated reference, since they only join others
-    "core": "joins registers, a sensor, slip_chain, grip and link",
-    "axis": "joins core and axil",
-    "shear_speeds": "joins frame_filter and shear_speed; its counters turn over by contract (docs/link.md)",
-    "actuate": "joins finger_health, grip and pwm; its counters turn over by contract (docs/link.md)",
-}
-=======
->>>>>>> wt_kinds:tb/extremes/rows.py
 EXAMPLES = {False: 40, True: 2000}  # hypothesis examples, short and long form
 WIDEST = 110  # characters shown of a place
 

@@ -110,17 +110,10 @@ async def matches_model(dut, pause_rate):
 @bench.applies(bench.whole)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_reset_selects_the_first_bank(dut):
-<<<<<<< HEAD
     """Whichever was in use before. A user sees only which bank a write goes to, and that is the other one, so
     the register itself is read: both values would do, but the twin and the proofs of the netlist know one."""
     settings = Settings(dut, "calibrate_cfg")
     await bench.start(dut, take_i=0, last_i=0)
-=======
-    """Whichever was in use before. A write goes to the other one, so no output shows which it is, and the
-    register itself is read."""
-    quiet = {"cfg_write_i": 0, "cfg_swap_i": 0, "take_i": 0, "restart_i": 0, "last_i": 0}
-    await bench.start(dut, **quiet)
->>>>>>> wt_kinds
     for swaps in range(3):
         await FallingEdge(dut.clk_i)
         assert bench.read(dut.bank) == 0, f"swap {swaps}"

@@ -246,14 +246,14 @@ def test_settings_in_volts_newtons_and_seconds():
     core = connected(model, known=model.units)
     wanted, slip = scene.slip_config(), scene.slip
     for name, quantity, amount in (
-        ("threshold", "volts", 2 * slip.threshold_v),
-        ("gross_threshold", "volts", 2 * slip.gross_threshold_v),
-        ("keep_threshold", "volts", 2 * slip.keep_threshold_v),
-        ("contact_level", "volts", slip.contact_v),
-        ("release_level", "volts", slip.release_v),
-        ("hold", "seconds", slip.hold_s),
-        ("refractory", "seconds", slip.refractory_s),
-        ("blank", "seconds", slip.blank_s),
+        ("threshold", "volts", slip.threshold_p2p_v),
+        ("gross_threshold", "volts", slip.gross_threshold_p2p_v),
+        ("keep_threshold", "volts", slip.keep_threshold_p2p_v),
+        ("contact_level", "volts", slip.contact_level_v),
+        ("release_level", "volts", slip.release_level_v),
+        ("hold", "seconds", slip.hold_ms / 1000),
+        ("refractory", "seconds", slip.refractory_ms / 1000),
+        ("blank", "seconds", slip.blank_ms / 1000),
     ):
         core[f"slip.{name}"] = 1
         code = core.set(f"slip.{name}", **{quantity: amount})

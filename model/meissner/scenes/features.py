@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from meissner.check import shown
 from meissner.engines.features import FEATURES as FOUND
 from meissner.scenes.sensor import used
+from meissner.tables import shown
 
 
 class Feature(NamedTuple):
