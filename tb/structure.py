@@ -8,7 +8,16 @@ from meissner.builds.toolchain import ROOT
 MODEL = ROOT / "model"
 # From the lowest layer up: each imports only from itself and lower layers. A name is a module or a package.
 LAYERS = [
-    *("names", "plain", "interval", "check", "files", "builds.kept", "builds.objcache", "builds.toolchain"),
+    *(
+        "names",
+        "terminal",
+        "interval",
+        "check",
+        "files",
+        "builds.cached_files",
+        "builds.objcache",
+        "builds.toolchain",
+    ),
     *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
     *("sense", "builds", "engines", "report", "scenes", "run"),
     *("host", "budget", "tradeoff", "process", "parser", "cli"),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from meissner import files
 from meissner.inputs import CODE_LIMIT, MAX_FORCE, MAX_SIDE, check_codes
-from meissner.plain import plain
+from meissner.terminal import plain
 
 GAIN_LIMIT = 1 << 16
 GAIN_SHIFT = 12

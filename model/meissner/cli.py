@@ -9,7 +9,7 @@ from contextlib import suppress
 from importlib import import_module
 
 from meissner.parser import parser
-from meissner.plain import plain, plain_streams
+from meissner.terminal import plain, plain_streams
 
 
 def _progress(what):

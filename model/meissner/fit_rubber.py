@@ -16,8 +16,7 @@ import numpy as np
 
 from meissner import files
 from meissner.interval import CONFIDENCE
-from meissner.plain import plain
-from meissner.twins.slip.shear_speed import ShearSettings
+from meissner.terminal import plain
 
 RECORDING = ("time_s", "volts", "speed_mm_s")
 STEPS = ("rest_v", "step_v", "speed_mm_s")
@@ -249,6 +248,8 @@ def fit(steps, confidence=CONFIDENCE):
 
 def registers(found, codes_per_v=CODES_PER_V):
     """The registers of msn_shear_speed that follow from a Fit, by name."""
+    from meissner.twins.slip.shear_speed import ShearSettings  # here: a fit needs no estimator
+
     rest_v, _, speed_mm_s = found.steps
     named = dict(zip(NAMES, map(float, found.value)))
     ranges = {"vi_min": rest_v.min(), "vi_max": rest_v.max(), "limit": speed_mm_s.max()}

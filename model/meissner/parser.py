@@ -4,7 +4,7 @@ NumPy or SciPy; ``call`` names the function that does the work, "module:function
 import argparse
 
 from meissner.names import EVERY, NAMES, PICTURE
-from meissner.plain import plain
+from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
 CONFIG = "the core's configuration, for physical units: a name or a TOML file"

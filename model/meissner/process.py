@@ -3,7 +3,7 @@
 import time
 
 from meissner import calibration, engines, files
-from meissner.plain import plain
+from meissner.terminal import plain
 
 
 def slip(arguments):

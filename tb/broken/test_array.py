@@ -49,16 +49,6 @@ def answers(monkeypatch, break_it, engine="fixed"):
     monkeypatch.setattr(engines, "process_cop", broken)
 
 
-def test_every_metric_of_the_summary_is_here(sound):
-    told = (
-        "scene engine seed seconds_taken samples_per_second modelled left_out built not_built "
-        "twin_mismatches runs seeds rows"
-    )
-    assert set(sound) - METRICS == {*told.split(), "columns", "files"}
-    assert sound["seeds"] == [1, 1] and (sound["rows"], sound["columns"], sound["frames"]) == (25, 5, 300)
-    assert sound["over_range"] == 0 and sound["position_error"]["mean"] < 5e-4
-
-
 def test_a_shifted_centre(monkeypatch, turned, sound):
     """x and y shifted by 0.06 and -0.08 of the half range: 0.05 of the range."""
 

@@ -27,9 +27,6 @@ LEFT = {"left_after_release_g", "left_after_rest_g"}
 PRESSES = {"mean_g", "off_share", "off_share_second_order", "deviation_g", "of_the_mean"}
 PRESSES = {f"each {key}" for key in PRESSES}
 CYCLES = {"unloading_above_loading_g", "off_the_line_g", "low_at_full_g", "low_at_full_second_order_g"}
-SETTLED = {"low_settled_g", "settled_off_g", "settled_off_second_order_g"}
-
-
 def scene_of(kind, **world):
     """The scene, with fewer frames of each object."""
     scene = scenes.load(NAMES[kind])
@@ -415,31 +412,3 @@ def test_amplifiers_that_gain_a_tenth_after_the_calibration(monkeypatch, turned,
     found, which = turned("shapes")
     assert {"load_error", "load_error_second_order", "each second_order_g", "each largest_cell_g"} <= which
     assert found["load_error"]["mean"] > 0.5 and found["load_error_second_order"]["mean"] > 0.5
-
-
-@pytest.mark.parametrize("kind", NAMES)
-def test_every_metric_is_turned_above(kind, sound):
-    """A new metric needs a fault of its own."""
-    known = {
-        "crosstalk": {"ideal_v", "difference_from_eq18_v"},
-        "cell": {
-            *CYCLES,
-            *SETTLED,
-            *LEFT,
-            "noise_g",
-            "reads_0_below_g",
-            "sag_of_hold",
-            "calibration_residual_g",
-        },
-        "select": {"peaks_apart_mm", "peaks_apart_from_mm", "peaks_apart_to_mm", "neighbour_at_a_centre"},
-        "shapes": EVEN | {"position_error", "load_error", "load_error_second_order"},
-    }
-    each = {
-        "crosstalk": "unselected_pf output_v low_by low_by_with_lagging_gain gain_for_10_percent "
-        "gain_for_5_percent gain_for_1_percent",
-        "cell": "press_g mean_g off_share off_share_second_order deviation_g of_the_mean",
-        "select": "column centre_mm peak_mm height_g width_at_half_mm",
-        "shapes": "shape load_g reported_g second_order_g largest_cell_g position_error",
-    }
-    expected = known[kind] | {f"each {key}" for key in each[kind].split()} | {"over_range"}
-    assert set(sound(kind)) == expected

@@ -30,9 +30,6 @@ POSITION = {"position_error", "position_error_of_working_cells"}
 LOAD = {"load_error", "load_error_of_working_cells"}
 DEAD = {"dead", "dead_found", "dead_falsely", "dead_as_injected"}
 EVEN = {"unevenness_before", "unevenness_after"}
-WAYS = [(circuit, unselected) for circuit in fsr.CIRCUITS for unselected in fsr.UNSELECTED]
-
-
 def small(load_ohm=5000.0, min_load_n=1.0, driver_ohm=5.0):
     """The scene of 64×64 reduced to 12×10 cells: row 4 dead, cell (9, 7) stuck, 60 frames."""
     table = tomllib.loads(scenes.source("fsr_64x64"))
@@ -91,23 +88,6 @@ def converted(monkeypatch, break_it):
         return break_it(right(world, siemens), parts[len(siemens)])
 
     monkeypatch.setattr(of_matrix._World, "codes", codes)
-
-
-def test_every_metric_is_turned_below(sound):
-    assert set(sound) == POSITION | LOAD | DEAD | EVEN | {
-        "below_min_load",
-        "over_range",
-        *(f"each {key}" for key in ("circuit", "unselected", "ghost", "pressed_spread")),
-    }
-    assert list(zip(sound["each circuit"], sound["each unselected"])) == WAYS
-    assert (sound["dead"], sound["dead_as_injected"], sound["over_range"], sound["below_min_load"]) == (
-        11,
-        True,
-        0,
-        0,
-    )
-    assert words(sound["dead_found"], "cells") == "11 of 11 cells (100 %, 95 % interval 71.5 to 100 %)"
-    assert (sound["dead_falsely"]["count"], sound["dead_falsely"]["runs"]) == (0, 109)
 
 
 def test_a_shifted_centre(monkeypatch, turned):

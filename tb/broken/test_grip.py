@@ -48,14 +48,6 @@ def core(monkeypatch, break_it, codes_too=lambda codes: codes, engine="fixed"):
     monkeypatch.setattr(engines.load(engine), "cop_slip", broken)
 
 
-def test_every_metric_of_the_summary_is_here(sound):
-    told = "scene engine seed seconds_simulated seconds_taken samples_per_second modelled left_out built"
-    told += " not_built"
-    assert set(sound) - METRICS == {*told.split(), "twin_mismatches", "runs", "seeds", "conditions", "files"}
-    assert sound["missed"] == sound["late"] == sound["false_alarms"] == sound["octants_wrong"] == 0
-    assert sound["missed_rate"]["runs"] == 4 and sound["false_alarm_rate"]["runs"] == sound["runs"] == 6
-
-
 def later(samples):
     """The decisions, delayed by ``samples``."""
 

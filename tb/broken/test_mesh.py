@@ -49,15 +49,6 @@ def before(monkeypatch, break_it):
     monkeypatch.setattr(engines.load("fixed"), "cop4", lambda codes, config: right(break_it(codes), config))
 
 
-def test_every_metric_of_the_summaries_is_here(sound):
-    told = "scene engine seed seconds_simulated seconds_taken samples_per_second modelled left_out built"
-    told += " not_built"
-    told += " twin_mismatches runs seeds conditions files"  # conditions holds the two errors row by row
-    for name, summary in sound.items():
-        assert set(summary) - METRICS - OF.get(name, set()) == set(told.split())
-        assert summary["seeds"] == [1, 1]
-
-
 def test_a_shifted_centre(monkeypatch, turned, sound):
     """x shifted by 0.04 of the half range: 0.02 of the range, where errors were below 0.0005; a circle's
     centre moves by 0.04."""

@@ -79,14 +79,6 @@ def converter(monkeypatch, breaks):
     monkeypatch.setattr(shear_scene, "simulate", broken)
 
 
-@pytest.mark.parametrize("name", METRICS)
-def test_every_metric_of_the_summary_is_here(name, sound):
-    said = "scene engine seed seconds_simulated seconds_taken samples_per_second modelled left_out built"
-    said += " not_built"
-    rest = {*said.split(), "twin_mismatches", "runs", "seeds", "conditions", "files"}
-    assert set(sound[name]) - METRICS[name] == rest | ({"constants"} if name == SPEED else set())
-
-
 def test_as_it_is(sound):
     """The fit finds the published line, both recoveries have their published ends, and no slip is
     undetected."""

@@ -72,7 +72,7 @@ def test_all_tests_have_one_runtime(tmp_path, monkeypatch):
     def compile_(command, found):
         compiled.append(command)
         (tmp_path / "fresh").write_text("object")
-        objcache.kept.keep(tmp_path / "fresh", found)
+        objcache.cached_files.keep(tmp_path / "fresh", found)
 
     monkeypatch.setattr(objcache, "_compile", compile_)
     of = lambda *levels: objcache.runtime(["c++", *levels, "-fPIC", "-c", f"{INCLUDE}/verilated.cpp"])

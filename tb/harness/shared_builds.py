@@ -4,7 +4,8 @@ A build of a small block takes a second, a third of it the compiler's start on t
 simulation takes another third of a second to import what every simulation imports. So the tests of a file
 that build a block share a top without ports, in which each parameter set is an instance. Its simulator starts
 once in each worker, imports the tests, and forks for each run: a run sees an instance in which no clock has
-passed, as if it had been built and started alone.
+passed, as if it had been built and started alone. The blocks' 1,914 tests take 436 s of processor in place of
+514: 6 % of `make test`.
 """
 
 import atexit

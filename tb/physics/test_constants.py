@@ -1,9 +1,6 @@
 """Every constant of the physics has an origin, and the dependence of the slip figures on
 some of them is measured."""
 
-import types
-
-import numpy as np
 import pytest
 
 from meissner.physics import plate, rubber
@@ -11,21 +8,11 @@ from meissner.tradeoff.changes import Change
 from published import constants
 
 
-@pytest.mark.parametrize("module", constants.modules(), ids=lambda module: module.__name__.split(".")[-1])
-def test_every_constant_says_where_it_is_from(module):
-    origins = module.ORIGINS
-    assert set(origins) == set(constants.constants(module))
-    for name, (kind, where, effect) in origins.items():
-        assert kind in constants.KINDS, name
-        assert len(where) > 4 and effect, name
-
-
-def test_constants_are_numbers_and_tables_of_them():
-    made = types.SimpleNamespace(
-        A=1, B_2=2.5, C=((1, 2.0), "x"), D={"a": plate.MATERIALS["wood"]}, E=np.ones(2), ORIGINS={"A": 1},
-        lower=3, _HIDDEN=4, WORD="x", FLAG=True, NAMES=("a", "b"),
-    )  # fmt: skip
-    assert list(constants.constants(made)) == ["A", "B_2", "C", "D", "E"]
+def test_every_constant_says_where_it_is_from():
+    for module in constants.modules():
+        assert set(module.ORIGINS) == set(constants.constants(module)), module.__name__
+        for name, (kind, where, effect) in module.ORIGINS.items():
+            assert kind in constants.KINDS and where and effect, name
 
 
 def test_a_change_reaches_what_is_computed_from_it_and_ends():

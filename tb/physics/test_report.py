@@ -224,10 +224,3 @@ def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, undrawn, n
     assert not raw, raw
     assert page.tables and set(page.tables) == {("div", "table")}
     assert re.search(r"\.table \{[^}]*overflow-x: auto", text)
-
-
-def test_what_a_run_at_the_pins_adds_has_words():
-    """The rtl engine's table; its keys are those of engines.rtl.watch_pins."""
-    pins = {"adc", "clk_khz", "frames", "clocks", "convert_jitter_clocks"}
-    pins |= {"decision_clocks", "decision_us", "decision_jitter_clocks"}
-    assert pins <= set(report_words.WORDS)

@@ -25,11 +25,6 @@ def test_fronts_by_hand(rows, expected):
     assert pareto.front(rows) == expected
 
 
-def test_equal_rows_do_not_beat_each_other():
-    assert not pareto.dominates((1, 2), (1, 2)) and pareto.dominates((1, 2), (1, 3))
-    assert not pareto.dominates((1, 3), (2, 2))
-
-
 def test_fronts_of_many_rows_by_a_loop_over_pairs():
     """Small numbers, so that ties are frequent; a loop over all pairs gives the same front as
     pareto.front."""

@@ -304,6 +304,39 @@ ROWS = {
     "engines": Row("engines, samples per second on one core", engines, "`meissner tradeoff --axis engine`"),
 }
 
+
+class Section(NamedTuple):
+    """A section of docs/results.md: what a command prints."""
+
+    title: str
+    measure: object
+    command: str
+
+
+def printed(*command):
+    """A function that gives what a command prints, as a block of text."""
+
+    def measure():
+        done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
+        return f"```text\n{done.stdout.strip()}\n```"
+
+    return measure
+
+
+SECTIONS = {
+    "scene_cost": Section(
+        "What a scene saves",
+        printed(sys.executable, "tools/published/scene_cost.py"),
+        "`python tools/published/scene_cost.py`: processor time of a simulated second, and the same with all "
+        "features of the sensor on",
+    ),
+    "extremes": Section(
+        "Extremes",
+        printed("make", "--no-print-directory", "extremes"),
+        "`make extremes`: the worst error of every block and solver at the ends of its range, and its bound",
+    ),
+}
+
 HEAD = """# Results
 
 {heading}
@@ -363,7 +396,10 @@ def results(found):
     """The text of docs/results.md with ``found``, {name of a row: its figure}."""
     rows = "".join(f"| {row.what} | {found[name]} | {row.command} |\n" for name, row in ROWS.items())
     bitstreams = BOARDS.format(*synth.tables(area.recorded(area.BOARDS, "make resources")))
-    return "\n".join((HEAD.format(heading=heading()) + rows, BLOCKS + block_table(), "", bitstreams))
+    parts = [HEAD.format(heading=heading()) + rows, BLOCKS + block_table(), "", bitstreams]
+    for name, section in SECTIONS.items():
+        parts.append(f"## {section.title}\n\n{section.command}:\n\n{found[name]}\n")
+    return "\n".join(parts)
 
 
 def pages():
@@ -385,16 +421,17 @@ def main():
     others = pages()
     if options.list:
         print(*(f"{name:20} {row.what}" for name, row in ROWS.items()), sep="\n")
+        print(*(f"{name:20} {section.title}" for name, section in SECTIONS.items()), sep="\n")
         print(*(f"{name:20} a page" for name in others), sep="\n")
         return
-    if strange := [name for name in options.names if name not in ROWS | others]:
+    if strange := [name for name in options.names if name not in ROWS | SECTIONS | others]:
         parser.error(f"no figure {strange[0]}; --list lists them")
     KEPT.mkdir(parents=True, exist_ok=True)
     path = KEPT / f"{commit()}.json"
     known = path.exists() and "with changes" not in path.name
     found = json.loads(path.read_text("utf-8")) if known else {}
-    for name in options.names or [name for name in [*ROWS, *others] if name not in found]:
-        found[name] = ROWS[name].measure() if name in ROWS else others[name]()
+    for name in options.names or [name for name in [*ROWS, *SECTIONS, *others] if name not in found]:
+        found[name] = others[name]() if name in others else (ROWS | SECTIONS)[name].measure()
         path.write_text(json.dumps(found, ensure_ascii=False, indent=1), "utf-8")
         print(f"{name}: {found[name]}", flush=True)
     if not options.names:
@@ -402,4 +439,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except ValueError as problem:
+        sys.exit(f"figures: {problem}")

@@ -8,18 +8,15 @@ import resource
 
 from meissner.builds import toolchain
 from nightly import benches
-from verify import readers
 from verify.revision import digest
 
 FOLDER = toolchain.ROOT / "docs/trust"
 
 
 def stale(recorded, kind):
-    """Names of the blocks, or readers, whose entry in ``recorded``, the contents of a kind's file, is stale:
+    """Names of the blocks whose entry in ``recorded``, the contents of a kind's file, is stale:
     its digest has changed, or, for netlists, the proof of an inner block is missing, failed or stale."""
     blocks = recorded["blocks"]
-    if kind == "fuzz":
-        return [name for name, facts in blocks.items() if facts.get("of") != readers.digest(name)]
     listed = set(benches.blocks())
     found = {name for name in listed & blocks.keys() if blocks[name].get("of") != digest(name, kind)}
     waits = {name: _boxes(facts) for name, facts in blocks.items() if name in listed - found}
@@ -72,9 +69,7 @@ def merge(kind, command, blocks, summary, total, join=_replace, listed=None):
         known = json.loads(before)["blocks"] if before else {}
         fresh = {}
         for name, facts in blocks.items():
-            if kind == "fuzz":
-                facts = {"of": readers.digest(name)} | facts
-            elif name in benches.blocks():
+            if name in benches.blocks():
                 facts = {"of": digest(name, kind)} | facts
             old = known.get(name, {})
             before_s = old.get("cpu_s", 0) if join is not _replace else 0  # joined facts may be only a part

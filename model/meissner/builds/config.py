@@ -16,7 +16,7 @@ from meissner.builds import four_wires
 from meissner.builds.build import PARTS, Config, verilog
 from meissner.builds.stages import STAGES
 from meissner.check import between, fields, not_negative, one_of, positive, shown
-from meissner.plain import plain
+from meissner.terminal import plain
 from meissner.twins.cop.cop_slip import CopSlipRegisters
 from meissner.twins.frontend.adc_spi import AdcSpi
 from meissner.twins.slip.config import SWITCHES, SlipConfig

@@ -20,9 +20,9 @@ from functools import cache
 from pathlib import Path
 
 # Loaded without its package, which takes a second to import.
-SPEC = importlib.util.spec_from_file_location("kept", Path(__file__).with_name("kept.py"))
-kept = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(kept)
+SPEC = importlib.util.spec_from_file_location("cached_files", Path(__file__).with_name("cached_files.py"))
+cached_files = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(cached_files)
 
 OWN = ("verilated.h", "svdpi.h")  # in the runtime's own include folders
 
@@ -109,7 +109,7 @@ def _compile(command, found):
     if status:
         Path(fresh.name).unlink()
         sys.exit(status)
-    kept.keep(Path(fresh.name), found)
+    cached_files.keep(Path(fresh.name), found)
 
 
 def runtime(command):
@@ -118,9 +118,9 @@ def runtime(command):
     command = [command[0], *_level(command[1:], {"-O0": "-Os", "-O1": "-Os"})]
     key = _key(command[0], command[1:])
     found = folder() / f"{key}.o"
-    if not kept.intact(found):
+    if not cached_files.intact(found):
         with alone(key):
-            if not kept.intact(found):
+            if not cached_files.intact(found):
                 _compile(command, found)
     return found
 

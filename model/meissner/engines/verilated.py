@@ -12,7 +12,7 @@ from contextvars import ContextVar
 from functools import cache, wraps
 from pathlib import Path
 
-from meissner.builds import boards, kept, netlist, toolchain
+from meissner.builds import boards, cached_files, netlist, toolchain
 
 HERE = Path(__file__).parent
 # The family whose netlists library() builds; None: it builds the sources themselves.
@@ -115,7 +115,7 @@ def library(top, driver, parameters, trace=False, include=None):
         digest.update(file.read_bytes())
     folder = toolchain.BUILD / "rtl" / digest.hexdigest()[:16]
     built = folder / "core.so"
-    if not kept.intact(built):
+    if not cached_files.intact(built):
         toolchain.need_compiler()
         if sys.stderr.isatty():
             print("building the core for the rtl engine, once for this configuration ...", file=sys.stderr)
@@ -128,5 +128,5 @@ def library(top, driver, parameters, trace=False, include=None):
             folder.mkdir(parents=True, exist_ok=True)
             fresh = folder / f"core.{os.getpid()}"
             shutil.copy(Path(scratch) / "core.so", fresh)
-            kept.keep(fresh, built)
+            cached_files.keep(fresh, built)
     return built

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 
 from meissner import engines, files
-from meissner.plain import plain
+from meissner.terminal import plain
 
 LINE_S, PICTURE_S = 1.0, 0.1  # interval of lines in a pipe, of pictures on a terminal
 

@@ -27,8 +27,8 @@ import numpy as np
 from meissner.files import FULL, check_in, read_arrays
 from meissner.files import check_out as check_name
 from meissner.host import packets, ros
-from meissner.host.spool import Spool, part_of
 from meissner.host.table import COLUMNS, NpzLog, Table, read_rows
+from meissner.host.unfinished_log import UnfinishedLog, part_of
 from meissner.twins.link.packet import TIMES
 
 FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress less
@@ -129,7 +129,7 @@ def recording(path, core):
     ValueError or ``core.say`` name the spool.
     """
     kind, path = check_out(path), check_name(path)
-    spool, log = Spool(path, KINDS[kind].KIND), None
+    spool, log = UnfinishedLog(path, KINDS[kind].KIND), None
     try:
         writer = KINDS[kind](spool, core.units)
         log = Log(writer, core)

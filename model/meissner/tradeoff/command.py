@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from meissner.files import check_out, written
-from meissner.plain import plain
+from meissner.terminal import plain
 from meissner.tradeoff import sweep, table
 from meissner.tradeoff.area import recorded
 from meissner.tradeoff.points import point_of

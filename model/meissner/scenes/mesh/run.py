@@ -73,7 +73,7 @@ def reported(recording, core):
         started = time.perf_counter()
         found = engines.load("float").cop4_of_volts(recording.solution)
         core.taken_s += time.perf_counter() - started
-        core.samples += recording.codes.size
+        core.samples += len(recording.codes)
         return found
     found = core.cop4(recording.codes, recording.config)
     x, y = found.x / engines.COP_ONE, found.y / engines.COP_ONE

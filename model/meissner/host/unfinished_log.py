@@ -5,12 +5,12 @@ from pathlib import Path
 
 
 def part_of(path, kind, number=1):
-    """The name of the spool of ``path``, a file of ``kind``; ``number``: above 1 beside earlier spools."""
+    """The name of the file beside ``path``, a log of ``kind``; ``number``: above 1 beside earlier ones."""
     path = Path(path)
     return path.with_name(f"{path.name}.part{number if number > 1 else ''}{kind}")
 
 
-class Spool:
+class UnfinishedLog:
     """An append-only file. Every write reaches the system before it returns, so the data survive any end of
     the process; ``give_up`` takes back a write that could not be completed.
     """

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from meissner import cli
-from meissner.builds import kept, toolchain
+from meissner.builds import cached_files, toolchain
 from meissner.engines import rtl_core, verilated
 
 WHOLE = bytes(range(256)) * 40
@@ -80,8 +80,8 @@ def test_a_changed_driver_is_built_again(builds, monkeypatch, tmp_path, name):
 def test_a_new_file_takes_the_place_of_an_old_one(tmp_path):
     for text in ("first", "second"):
         (tmp_path / "fresh").write_text(text)
-        kept.keep(tmp_path / "fresh", tmp_path / "x")
-        assert kept.intact(tmp_path / "x") and (tmp_path / "x").read_text() == text
+        cached_files.keep(tmp_path / "fresh", tmp_path / "x")
+        assert cached_files.intact(tmp_path / "x") and (tmp_path / "x").read_text() == text
     assert sorted(path.name for path in tmp_path.iterdir()) == ["x", "x.sha256"]
 
 
