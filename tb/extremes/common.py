@@ -151,9 +151,7 @@ def divide_(see):
 
     for one in see.covering(DenBits=[1, 2, 16, 34, 46, 53, 61, 62], FractionBits=[1, 2, 14, 20, 29, 30]):
         check(quotients(2 ** one["DenBits"] - 1), one["FractionBits"])
-    sizes = see.covering(
-        DenBits=[1, 2, 46, 62], FractionBits=[1, 2, 30], BitsPerClock=[1, 2]
-    )
+    sizes = see.covering(DenBits=[1, 2, 46, 62], FractionBits=[1, 2, 30], BitsPerClock=[1, 2])
     see.elaborates("divide", sizes)
     for num, den in ((1, 0), (0, 0), (2, 1), (-2, 1), (1, -1), (2**62 - 1, 2**62 - 2)):
         see.refused(divide.divide, num, den)

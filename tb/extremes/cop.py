@@ -155,9 +155,7 @@ def cop_divide_(see):
             for each, sums in zip(got, cases):
                 centre(see, each, sums, m, n, fraction, least, lambda: f"{m} x {n}, {fraction} bits, {sums}")
     sides = {"Rows": [1, 2, 1024], "Columns": [1, 2, 1024]}
-    see.elaborates(
-        "cop_divide", see.covering(**sides, FractionBits=[4, 20], BitsPerClock=[1, 2])
-    )
+    see.elaborates("cop_divide", see.covering(**sides, FractionBits=[4, 20], BitsPerClock=[1, 2]))
     for fraction in (3, 21):
         see.refused(cop_divide.cop_divide, 1, 0, 0, 2, 2, fraction)
 
