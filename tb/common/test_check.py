@@ -1,5 +1,5 @@
-"""msn_check stops a simulation where its rule is broken, after the first reset only; and the rule
-of msn_frame_table: a word that was written while it was read may be discarded, not taken (broken_check.py)."""
+"""msn_check stops a simulation where its rule is broken, after the first reset only; and the rule of
+msn_frame_table: a word that was written while it was read may be discarded, not taken (broken_check)."""
 
 import cocotb
 import pytest

@@ -274,7 +274,10 @@ endpackage
 
 
 def python(groups, texts):
-    return f'''"""The register map. {MADE}"""
+    return f'''"""The register map.
+
+{MADE}
+"""
 
 from meissner.twins.link.register import read
 

@@ -191,8 +191,8 @@ class Core:
     def together(self):
         """``with core.together():`` the settings written in this block take effect with the same frame.
 
-        It concerns those that apply at a frame's start (docs/registers.md); the core takes none of them before
-        the block ends, also by an error.
+        It concerns those that apply at a frame's start (docs/registers.md); the core takes none of them
+        before the block ends, also by an error.
         """
         self["core.hold"] = 1
         try:

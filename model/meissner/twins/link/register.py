@@ -64,9 +64,9 @@ class Group:
 
 
 def read(table):
-    """The groups of a table. A line without indentation is a group: its name, "always" or "feature", its title.
+    """The groups of a table. A line at the margin is a group: its name, "always" or "feature", its title.
 
-    The others are fields: address, register and "." and field if that is not "value", bits, kind, reset value,
+    The others are fields: address, register ("." and field if that is not "value"), bits, kind, reset value,
     when it applies, and what else it is: signed, written, or the name of a width that holds it.
     """
     groups = []

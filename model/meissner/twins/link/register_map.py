@@ -1,4 +1,7 @@
-"""The register map. Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`."""
+"""The register map.
+
+Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`.
+"""
 
 from meissner.twins.link.register import read
 
