@@ -9,6 +9,7 @@ MODEL = ROOT / "model"
 # From the lowest layer up: each imports only from itself and lower layers. A name is a module or a package.
 LAYERS = [
     *(
+        "arrays",
         "names",
         "terminal",
         "interval",
