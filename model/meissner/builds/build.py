@@ -114,7 +114,7 @@ class Config:
     def converter(self) -> AdcSpi:
         """Twin of a converter with its channels; those of an array work in parallel."""
         if self.array:
-            return self.scan.adc  # type: ignore[attr-defined]
+            return self.scan.adc
         sizes = (self.part, self.channels, self.adc.lanes, self.clk_khz, self.adc.sclk_khz)
         return AdcSpi(*sizes, self.sample_bits)
 

@@ -6,6 +6,8 @@ with meissner.host.connect("serial:/dev/ttyUSB0?baud=3000000") as core:
         print(packet)
 """
 
+from typing import Any
+
 from meissner.builds.units import Units
 from meissner.host.core import Core, NoAnswer, Refused
 from meissner.host.line import open_line
@@ -27,7 +29,13 @@ __all__ = [
 ]
 
 
-def connect(url, units=None, registers=None, baud=None, **settings):
+def connect(
+    url: str,
+    units: Units | None = None,
+    registers: bool | None = None,
+    baud: int | None = None,
+    **settings: Any,
+) -> Core:
     """The Core at ``url`` (meissner.host.line), found and checked; ValueError or NoAnswer in one sentence.
 
     ``units``: facts that the core does not know about itself. ``registers``: False only listens, to a core
