@@ -4,7 +4,6 @@ name, and a deliberately broken cell of a netlist is detected.
 """
 
 import re
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +11,9 @@ import pytest
 
 import gate_scenes
 from meissner import scenes
-from meissner.engines import Watched, rtl, rtl_frontend, verilated
+from meissner.engines import Watched, rtl_frontend, verilated
 from meissner.engines.features import FEATURE_OF, FEATURES
 from meissner.engines.protocol import Engine
-from meissner.engines.rtl_slip import Pins
 
 QUICK = "capacitive_crosstalk"
 SAMPLES = 76  # carrier samples per amplitude: 12 to settle, 16 periods of 4
@@ -36,15 +34,6 @@ def noted(netlist, **others):
     compared = gate_scenes.Compared()
     compared.note("stage", 9, netlist, others)
     return compared
-
-
-def test_equal_answers_are_counted():
-    """Two details with three results each, two ends and one number, against two engines; then two more
-    values."""
-    compared = noted(watched(), rtl=watched(), fixed=watched())
-    assert (compared.inputs, compared.results, compared.different) == (9, 9, {})
-    compared.note("more", 4, np.array([1, 2]), {"rtl": np.array([1, 2])})
-    assert (compared.inputs, compared.results, compared.different) == (13, 11, {})
 
 
 @pytest.mark.parametrize(
@@ -69,64 +58,6 @@ def test_what_differs_is_named(netlist, other, different):
     assert compared.different == {("stage", "fixed", name): count for name, count in different.items()}
     assert noted(netlist, rtl=other, fixed=netlist).different.keys() == {
         ("stage", "rtl", name) for name in different
-    }
-
-
-class Core:
-    """A core whose answer depends on its setting."""
-
-    def __init__(self, *arguments):
-        self.arguments, self.told = arguments, {}
-
-    def __setitem__(self, name, value):
-        self.told[name] = value
-
-    def next(self, codes):
-        return np.full((2, 5), self.told["slip.threshold"] > 100), codes.max()
-
-
-class Deaf(Core):
-    def __setitem__(self, name, value):
-        pass
-
-    def next(self, codes):
-        return np.zeros((2, 5), dtype=bool), codes.max()
-
-
-@pytest.mark.parametrize("source, different", [(Core, {}), (Deaf, {("hand", "rtl", "0"): 10})])
-def test_a_hands_cores_advance_in_step(monkeypatch, source, different):
-    """Both cores get each setting and each cycle; a core that ignores its setting differs in its ten flags
-    alone."""
-    monkeypatch.setattr(gate_scenes, "gate_core", Core)
-    monkeypatch.setattr(gate_scenes.rtl_hand, "Core", source)
-    compared = gate_scenes.Compared()
-    pair = compared.hand(2, "slip", "grip", 100)
-    assert pair.netlist.arguments == pair.source.arguments == (2, "slip", "grip", 100)
-    pair["slip.threshold"] = 101
-    over, word = pair.next(np.array([[1, 8], [3, 4]]))
-    assert over.all() and word == 8
-    assert (compared.inputs, compared.results, compared.different) == (4, 11, different)
-
-
-def test_pins_are_compared_with_rtl_by_clocks_and_with_twins_by_decisions(monkeypatch):
-    recording = SimpleNamespace(codes=np.array([4, 9, 6, 7]), moving=np.array([False, True, False, False]))
-    asked = []
-
-    def twin(x, config, moving):
-        asked.append((x.tolist(), config, moving.tolist()))
-        return watched(blanked=4)
-
-    for module, clocks in ((gate_scenes.gate, 800), (rtl, 801)):
-        answer = Pins(watched(), {"adc": "MCP3208", "clocks": clocks})
-        monkeypatch.setattr(module, "watch_pins", lambda *_, answer=answer: answer)
-    monkeypatch.setattr(gate_scenes.fixed, "watch", twin)
-    compared = gate_scenes.Compared()
-    compared.stage("watch_pins")(recording, "config", waves=None)
-    assert asked == [([[4, 9, 6, 7]], "config", [False, True, False, False])]
-    assert (compared.inputs, compared.results) == (4, 11)  # nine of the details, two of the facts
-    assert compared.different == {
-        ("watch_pins", "rtl", "facts.clocks"): 1,
-        ("watch_pins", "fixed", "watched.blanked"): 1,
     }
 
 

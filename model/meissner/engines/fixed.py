@@ -1,6 +1,6 @@
 """Engine ``fixed``: the integer twins, vectorised; bit-exact with the RTL.
 
-Each stage imports its twins on use, so a scene loads only those of its features.
+Each function imports its twins on use, so a scene loads only those of its features.
 """
 
 from typing import TYPE_CHECKING

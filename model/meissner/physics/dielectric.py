@@ -40,16 +40,6 @@ def strain_confined(stress: Values, poisson: float, modulus: float) -> Values:
     return stress / modulus * (1 + poisson) * (1 - 2 * poisson) / (1 - poisson)
 
 
-def strain_free(stress: Values, modulus: float) -> Values:
-    """Strain along the force of rubber that is free to move sideways (eq. 7)."""
-    return stress / modulus
-
-
-def lateral_stress(stress: Values, poisson: float) -> Values:
-    """s_y = s_z of rubber that cannot move sideways (eq. 4, 5): the stress itself at v = 1/2."""
-    return stress * poisson / (1 - poisson)
-
-
 def leaking_v(
     drive_v: float,
     hertz: Values,
@@ -59,13 +49,6 @@ def leaking_v(
 ) -> Values:
     """Eq. 17; eq. 16, drive·Ccell/Cref, without leakage (``cell_ohm`` infinite)."""
     return drive_v * np.hypot(cell_f, 1 / (2 * np.pi * hertz * np.asarray(cell_ohm, float))) / ref_f
-
-
-def rest_f(tab_mm: ArrayLike) -> Values:
-    """Capacitance of an unpressed cell (backing and tab) in farads, no fringe field."""
-    return capacitive.plate_f(
-        capacitive.BACKING_MM + np.asarray(tab_mm, float), permittivity=capacitive.PERMITTIVITY
-    )
 
 
 def rise(force_g: ArrayLike, tab_mm: Values = capacitive.TAB_MM) -> Values:

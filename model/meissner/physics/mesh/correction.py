@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from meissner.physics.mesh.mesh import Mesh
 
 
-LOAD_TERMS, PLACE_TERMS = 6, 3
+PLACE_TERMS = 3
 
 
 def load_terms(x: ArrayLike, y: ArrayLike) -> Floats:
