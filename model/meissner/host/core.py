@@ -168,7 +168,13 @@ class Core:
         ]
 
     def check(self, name: str, value: int | None = None) -> Place:
-        """ValueError in one sentence if the core has no such register, or it cannot take the value."""
+        """The Place of that name.
+
+        Raises
+        ------
+        ValueError
+            If the core has no such register, or it cannot take the value.
+        """
         place = self._place(name)
         if value is not None:
             if not place.writable:
@@ -198,9 +204,17 @@ class Core:
             self._restore()
 
     def set(self, name: str, **amount: float) -> int:
-        """Write one register in volts, newtons or seconds, converted by ``units``; returns the code written.
+        """Write one register in volts, newtons or seconds: ``core.set("slip.threshold", volts=0.02)``.
 
-        ``core.set("slip.threshold", volts=0.02)``: builds.units.CODES lists each register's quantity.
+        Returns
+        -------
+        int
+            The code written.
+
+        Raises
+        ------
+        ValueError
+            If the register does not take this quantity (builds.units.CODES) or its code.
         """
         ((quantity, value),) = amount.items()
         code = self.units.code(name, quantity, value)
@@ -282,8 +296,17 @@ class Core:
     # Packets
 
     def packets(self, seconds: float | None = None) -> Iterator[Item]:
-        """Yield packets and gaps (meissner.host.packets) for ``seconds`` or until the line ends; 0: those
-        already received."""
+        """Packets and gaps as they come.
+
+        Parameters
+        ----------
+        seconds : float, optional
+            0: those already received; None: until the line ends.
+
+        Yields
+        ------
+        SlipEvent, CopFrame, Image, Health, Statistics or Gap
+        """
         end = None if seconds is None else time.monotonic() + seconds
         while True:
             left = 0.1 if end is None else end - time.monotonic()

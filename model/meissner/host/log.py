@@ -131,10 +131,14 @@ def check_out(path: str | Path) -> str:
 
 @contextmanager
 def recording(path: str | Path, core: Core) -> Iterator[Log]:
-    """A Log that gets the name ``path`` when it is complete; ValueError if that is impossible.
+    """A Log that gets the name ``path`` when it is complete.
 
-    A log that ends before leaves a spool with the packets received, unless there were none; OSError,
-    ValueError or ``core.say`` name the spool.
+    Raises
+    ------
+    ValueError
+        If no log can have that name.
+    OSError
+        If it could not be written: the packets received until then are in a file that it names.
     """
     make, out = KINDS[check_out(path)], check_name(path)
     spool, log = UnfinishedLog(out, make.KIND), None
@@ -171,7 +175,13 @@ def _kept(
 
 
 def read(path: str | Path) -> Arrays:
-    """The arrays and facts of a log; ValueError in one sentence if the file is not one."""
+    """The arrays and facts of a log, by the names above.
+
+    Raises
+    ------
+    ValueError
+        If the file is no log.
+    """
     path = Path(path)
     if not path.exists():
         parts = [part_of(path, writer.KIND) for writer in KINDS.values()]

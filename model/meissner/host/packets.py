@@ -17,9 +17,18 @@ from meissner.twins.slip.slip import State
 
 @dataclass(frozen=True)
 class SlipEvent:
-    """``channel``: twins.core.OF_LOAD means the load of four electrodes; ``state``: twins.slip.slip.State;
-    ``p2p``: in codes of the detail; ``p2p_v``, ``p2p_n``: of the Haar coefficient in volts or in newtons,
-    depending on whether the samples are a sensor's volts or a taxel's forces.
+    """A flag of slip rose.
+
+    Attributes
+    ----------
+    channel : int
+        twins.core.OF_LOAD: the load of four electrodes.
+    state : int
+        twins.slip.slip.State.
+    p2p : int
+        In codes of the detail.
+    p2p_v, p2p_n : float or None
+        Of the Haar coefficient in volts or newtons: the samples are a sensor's volts or a taxel's forces.
     """
 
     time: int
@@ -33,7 +42,15 @@ class SlipEvent:
 
 @dataclass(frozen=True)
 class CopFrame:
-    """``x``, ``y``: -1 .. 1, exact; ``load``: sum of the forces; x = y = 0 where not ``pressed``."""
+    """The centre of pressure of a frame.
+
+    Attributes
+    ----------
+    x, y : float
+        -1 .. 1, exact; 0 where not ``pressed``.
+    load : int
+        Sum of the forces.
+    """
 
     time: int
     time_s: float | None

@@ -42,7 +42,15 @@ class Levels:
 
 
 def write_lot(write: Callable[[str, int], object], rubber: Rubber, codes_per_v: float) -> None:
-    """Give the estimator another lot through ``write(name, value)``; it forgets the levels it has learned."""
+    """Give the estimator another lot; it forgets the levels it has learned.
+
+    Parameters
+    ----------
+    write : callable
+        Takes a register's name and value, as ``core.__setitem__`` does.
+    codes_per_v : float
+        Of the converter.
+    """
     found = ShearSettings.of(codes_per_v, 1.0, SIZE, k0=rubber.k0_v, k1=rubber.k1, n=rubber.n, travel=0.0)
     write("shear_speed.enable", 0)
     for name in ("k0", "k1", "exponent"):
@@ -63,7 +71,13 @@ def speeds(core: Core) -> list[Speed]:
 
 
 def levels(core: Core, channel: int, codes_per_v: float, tries: int = 8) -> Levels:
-    """The Levels of a channel, all from one window; OSError if a window ends during each attempt."""
+    """The Levels of a channel, all from one window.
+
+    Raises
+    ------
+    OSError
+        If a window ends during each attempt.
+    """
     core["shear_speed.select"] = channel
     for _ in range(tries):
         before = core["shear_speed.windows"]

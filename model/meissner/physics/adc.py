@@ -50,7 +50,7 @@ class Adc:
         return self.min_code + (1 << self.bits) - 1
 
     def convert(self, volts: ArrayLike, rng: np.random.Generator | None = None) -> tuple[Ints, Bools]:
-        """``(codes int64, over_range bool)``, one of each per sample; no noise without ``rng``."""
+        """Codes and over-range of ``volts``, of their shape; no noise without ``rng``."""
         volts = np.asarray(volts, dtype=float)
         over_range = (volts < self.low_v) | (volts > self.high_v)
         if rng is not None and self.noise_v:

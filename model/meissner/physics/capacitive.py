@@ -117,10 +117,14 @@ def output_v(
     cell_ohm: ArrayLike = np.inf,
     input_ohm: ArrayLike = np.inf,
 ) -> Floats:
-    """Amplitude |Vout| in volts; numbers or arrays that broadcast. ``gain`` may be complex.
+    """Amplitude |Vout| in volts; eq. 18 if both resistances are infinite.
 
-    ``cell_ohm``: leakage between the plates; ``input_ohm``: of the amplifier's input. Eq. 18 if both are
-    infinite.
+    Parameters
+    ----------
+    cell_f, unselected_f, ref_f : float or array
+        Farads; arrays broadcast.
+    cell_ohm, input_ohm : float or array
+        Leakage between the plates, and at the amplifier's input.
     """
     omega = 2j * np.pi * hertz
     cell = omega * cell_f + 1 / np.asarray(cell_ohm, float)
@@ -166,7 +170,15 @@ def creep(force_n: ArrayLike, rate_hz: float) -> Floats:
 
 @dataclass(frozen=True)
 class Pad:
-    """An array as built: ``rest_f``, ``stiffness`` [rows, columns]; ``ref_f`` [columns]; ``stray_f``."""
+    """An array as built.
+
+    Attributes
+    ----------
+    rest_f, stiffness : [rows, columns]
+        Farads unpressed, and the tabs' stiffness as a factor on the nominal one.
+    ref_f : [columns]
+        Farads of the amplifiers; ``stray_f``: of each column.
+    """
 
     rest_f: Floats
     stiffness: Floats

@@ -181,10 +181,14 @@ def break_cells(
 
 
 def column_volts(siemens: ArrayLike, readout: Readout, faults: Sequence[Fault] = ()) -> Floats:
-    """Voltage of every column while each row is driven [..., rows, columns], by nodal analysis.
+    """Volts of every column while each row is driven [..., rows, columns], by nodal analysis.
 
-    ``siemens`` [..., rows, columns]. The lines of a "dead row" or an "open column" are disconnected at their
-    end; an open column reads 0.
+    Parameters
+    ----------
+    siemens : [..., rows, columns]
+        Of the cells.
+    faults : sequence of Fault
+        The lines of a "dead row" or an "open column" are disconnected at their end; an open column reads 0.
     """
     siemens = np.asarray(siemens, float)
     rows, columns = siemens.shape[-2:]

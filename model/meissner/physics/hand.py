@@ -61,9 +61,18 @@ ORIGINS = {
 
 @dataclass(frozen=True)
 class Grasp:
-    """The object of one run and its disturbances. ``mass_kg``: one value every MASS_S; ``tugs``:
-    (start_s, length_s, newtons). ``mu_s``, ``mu_k``: of both fingers; ``halves_s``: when friction halves, or
-    None.
+    """The object of one run and its disturbances.
+
+    Attributes
+    ----------
+    mass_kg : [times]
+        One value every MASS_S.
+    mu_s, mu_k : tuple
+        Friction of both fingers; ``halves_s``: when it halves, or None.
+    closing_mm : float
+        Of the fingers at the start.
+    tugs : tuple
+        (start_s, length_s, newtons) each.
     """
 
     mass_kg: Floats
@@ -80,9 +89,16 @@ class Grasp:
 
 @dataclass(frozen=True)
 class Block:
-    """A block of samples: [runs, samples], ``volts`` and ``tension_n`` [runs, 2, samples].
+    """A block of samples, [runs, samples] unless stated otherwise.
 
-    ``ring_mm`` [runs]: at the block's end; ``events``: (contact, sample, share), contact = 2 run + finger.
+    Attributes
+    ----------
+    volts, tension_n : [runs, 2, samples]
+    normal_n, load_n, sag_mm, slip_mm : [runs, samples]
+    ring_mm : [runs]
+        At the block's end.
+    events : tuple
+        Contacts (2 run + finger), samples and shares.
     """
 
     volts: Floats

@@ -134,7 +134,16 @@ def pull(
 ) -> Pull:
     """Pull the plate under a normal force, the stage starting at ``start_s``.
 
-    ``stiffness_n_mm``: of string and rubber in series; ``follow``: added newtons of grip per newton of pull.
+    Parameters
+    ----------
+    time_s : [samples]
+        Seconds.
+    material : str
+        Of MATERIALS.
+    stiffness_n_mm : float
+        Of string and rubber in series.
+    follow : float
+        Added newtons of grip per newton of pull.
     """
     kind = MATERIALS[material]
     spread = 1.0 + FRICTION_SPREAD * rng.standard_normal()
@@ -178,9 +187,12 @@ def _ripple(samples: int, rate_hz: float, rng: np.random.Generator) -> Floats:
 def press(
     time_s: Floats, normal_n: float, ramps: Sequence[tuple[float, float]], rng: np.random.Generator
 ) -> tuple[Floats, Bools]:
-    """Load and unload: ``ramps`` is a list of (start_s, length_s), alternately up and down.
+    """The normal force (N) and whether the loading stage moves, [samples] each.
 
-    Returns the normal force and whether the loading stage moves.
+    Parameters
+    ----------
+    ramps : sequence of (start_s, length_s)
+        Alternately up and down.
     """
     rate_hz = 1.0 / (time_s[1] - time_s[0])
     force_n = np.zeros(len(time_s))

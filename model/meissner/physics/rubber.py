@@ -327,7 +327,15 @@ def event_steps(vc: V, shares: V) -> V:
 
 
 def volts(force_n: V, level: V | None = None, share: V | None = None) -> V:
-    """Vc under a normal force, with the shear level u(t) and the fluctuation e(t) if given."""
+    """Vc in volts.
+
+    Parameters
+    ----------
+    force_n : float or array
+        Normal force, newtons.
+    level, share : like ``force_n``, optional
+        The shear level u(t) and the fluctuation e(t).
+    """
     vc = rest_volts(force_n)
     if level is not None:
         vc = vc + shear_gain(vc) * level

@@ -26,11 +26,17 @@ Frame = Callable[[int], Floats]  # a scene's loads [m, n]
 
 
 class Mesh:
-    """An m x n mesh: layer resistors ``r`` and rail resistors ``R0`` (ohms), rails +-``V0`` (volts).
+    """An m x n mesh. Rows i count from top to bottom, columns j from left to right; E1 left, E3 right, E2 top,
+    E4 bottom. ``Cx``, ``Cy``, ``Kf``: the register constants, see ``cop_constants``.
 
-    A taxel loaded with F newtons is a resistor k / F (eq. 24, ``k`` in newton ohms; 4320 in the paper, so
-    864 ohms at 5 N). ``Cx``, ``Cy``, ``Kf``: the register constants, see ``cop_constants``.
-    Rows i count from top to bottom, columns j from left to right; E1 left, E3 right, E2 top, E4 bottom.
+    Parameters
+    ----------
+    r, R0 : float
+        Ohms of the layers' resistors and of the rails'.
+    V0 : float
+        Volts: the rails are +-V0.
+    k : float
+        Newton ohms: a taxel loaded with F newtons is a resistor k / F (eq. 24; 864 ohms at 5 N in the paper).
     """
 
     def __init__(
@@ -64,9 +70,7 @@ class Mesh:
         return f"Mesh({self.m}, {self.n}, r={self.r:g}, R0={self.R0:g}, V0={self.V0:g}, k={self.k:g})"
 
     def solve(self, load: ArrayLike, solver: str = "auto", tolerance: float = 0.0) -> Solution:
-        """Solve ``load`` [m, n] or [scenes, m, n] (newtons, >= 0; ``np.inf`` shorts a taxel): a ``Solution``.
-
-        Arrays of float32, float16, uint16 and uint8 are read without a conversion.
+        """The Solution under a load.
 
         lu        the (2mn+4) nodal equations, sparse LU, refined and certified: the reference
         fast      exact; only the loaded taxels are unknown
@@ -74,7 +78,16 @@ class Mesh:
         auto      fast or lu, whichever is cheaper for the number of loaded taxels; constant where its own
                   rigorous bounds stay below ``tolerance`` (fraction of the load, and of the position's range)
 
-        Bad input raises ValueError.
+        Parameters
+        ----------
+        load : numbers [m, n] or [scenes, m, n]
+            Newtons, 0 or more; ``np.inf`` shorts a taxel. Arrays of float32, float16, uint16 and uint8 are
+            read without a conversion.
+
+        Raises
+        ------
+        ValueError
+            For another shape, NaN, negative loads and an unknown solver.
         """
         load, single = self._read(load)
         flat = load.reshape(-1)
@@ -92,10 +105,19 @@ class Mesh:
         solver: str = "auto",
         tolerance: float = 0.0,
     ) -> Solution:
-        """``solve`` for contacts only: [K] or [scenes, K] rows, columns and the newtons on them.
+        """``solve`` for contacts only.
 
         Only ``lu`` makes a frame of all taxels; otherwise the cost depends on the number of contacts alone.
-        Rows or columns outside the mesh, and a taxel named twice in a scene, raise ValueError too.
+
+        Parameters
+        ----------
+        row, column, force : [K] or [scenes, K]
+            Places of the contacts and the newtons on them.
+
+        Raises
+        ------
+        ValueError
+            Also for places outside the mesh and a taxel named twice in a scene.
         """
         index, force, scenes, single = contacts_of(self.m, self.n, row, column, force)
 

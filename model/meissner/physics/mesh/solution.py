@@ -46,11 +46,22 @@ class Certificate(NamedTuple):
 class Solution:
     """Electrodes, position and load of one scene (numbers) or a batch (arrays of length scenes).
 
-    ``E1..E4`` volts; ``x``, ``y`` in -1..1, ``load`` newtons, ``current`` amperes: as the four electrodes
-    report them (eq. 16-20, 29), evaluated on the drops, not on the rounded voltages. ``solver``: its name.
-    ``valid`` is False where there is no measurement: then x, y, load are 0 and ``why`` gives the reason in a
-    sentence, else it is "". Computed on request: ``bound``, ``condition``, ``residual`` (relative, of the
-    solved system), ``Va`` and ``Vb`` (volts, [m, n] or [scenes, m, n]). No value is NaN or infinite.
+    No value is NaN or infinite.
+
+    Attributes
+    ----------
+    E1, E2, E3, E4 : volts
+    x, y, load, current
+        -1..1, newtons and amperes as the four electrodes report them (eq. 16-20, 29), evaluated on the
+        drops, not on the rounded voltages.
+    valid : bool
+        False where there is no measurement: then x, y, load are 0, and ``why`` is the reason in a sentence.
+    solver : str
+        Its name.
+    bound, condition, residual
+        Computed on request; the residual is relative, of the solved system.
+    Va, Vb : volts, [m, n] or [scenes, m, n]
+        Of the layers' nodes, computed on request.
     """
 
     def __init__(self, mesh: "Mesh", scenes: int, single: bool) -> None:
