@@ -2,8 +2,6 @@
 
 import ctypes
 from dataclasses import asdict, fields
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,12 +9,9 @@ from numpy.typing import ArrayLike
 from meissner.engines import verilated
 from meissner.engines.protocol import ElectrodesSlip, Waves
 from meissner.engines.rtl_cop import TRACE_CLK_KHZ
+from meissner.physics.cop4_config import Cop4Config
 from meissner.twins.cop.cop4 import Cop4, Cop4Registers
 from meissner.twins.cop.cop_slip import CopSlipRegisters, CopSlipResult
-
-if TYPE_CHECKING:
-    from meissner.physics.cop4_config import Cop4Config
-
 
 TERMS = 6
 TRACE_SAMPLES = 200
@@ -47,7 +42,7 @@ def _traced(waves: Waves, count: int) -> tuple[bytes | None, int, int]:
     return None if waves is None else str(waves).encode(), min(TRACE_SAMPLES, count), TRACE_CLK_KHZ
 
 
-def cop4(codes: ArrayLike, config: "Cop4Config", waves: Waves = None) -> Cop4:
+def cop4(codes: ArrayLike, config: Cop4Config, waves: Waves = None) -> Cop4:
     """``Cop4`` of codes [samples, 4] on the core for ``config`` (Cop4Config).
 
     ``waves``: path of a VCD file for the last TRACE_SAMPLES samples.
@@ -87,11 +82,7 @@ def _open_slip(lag: int, trace: bool) -> ctypes.CDLL:
 
 
 def cop_slip(
-    codes: ArrayLike,
-    config: "Cop4Config",
-    lag: int,
-    registers: CopSlipRegisters,
-    waves: str | Path | None = None,
+    codes: ArrayLike, config: Cop4Config, lag: int, registers: CopSlipRegisters, waves: Waves = None
 ) -> ElectrodesSlip:
     """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, then msn_cop_slip on its results.
 

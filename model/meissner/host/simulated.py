@@ -193,12 +193,7 @@ def slip_source(blocks: Iterable[Ints], rate_hz: float, window: int = 64, hop: i
 
 
 def array_source(
-    forces: ArrayLike,
-    rate_hz: float,
-    min_load: int = 1,
-    image_every: int = 1,
-    chunk: int = 64,
-    loop: bool = False,
+    forces: ArrayLike, rate_hz: float, min_load: int = 1, image_every: int = 1, loop: bool = False
 ) -> Source:
     """Frames of forces [frames, rows, columns] through the CoP twin: their CoP and images."""
     forces = check_forces(forces)
@@ -213,7 +208,7 @@ def array_source(
                 x, y, load, pressed = (int(found[name][k]) for name in ("x", "y", "sum", "valid"))
                 yield at, p.COP, p.cop_frame(x, y, load, pressed)
                 if place % image_every == 0:
-                    for part in p.image_chunks(place // image_every, frame.ravel().tolist(), chunk):
+                    for part in p.image_chunks(place // image_every, frame.ravel().tolist()):
                         yield at, p.IMAGE, part
 
     return source

@@ -58,10 +58,6 @@ class Adc:
         codes = np.floor((volts - self.low_v) / self.lsb_v + 0.5) + self.min_code
         return np.clip(codes, self.min_code, self.max_code).astype(np.int64), over_range
 
-    def code_of(self, volts: float) -> float:
-        """The unrounded code of a voltage, for thresholds."""
-        return (volts - self.low_v) / self.lsb_v + self.min_code
-
     def volts_of(self, codes: ArrayLike) -> Floats:
         """The voltage at the centre of each code."""
         return (np.asarray(codes) - self.min_code) * self.lsb_v + self.low_v

@@ -132,9 +132,9 @@ def output_v(
     return np.abs(drive_v * gain * cell / (gain * omega * ref_f + cell + others))
 
 
-def plate_f(gap_mm: Values, side_mm: float = TRACE_MM, permittivity: float = PERMITTIVITY) -> Values:
+def plate_f(gap_mm: Values) -> Values:
     """Capacitance of the crossing itself in farads: two plates, no fringe field."""
-    return 8.8541878e-15 * permittivity * side_mm**2 / gap_mm
+    return 8.8541878e-15 * PERMITTIVITY * TRACE_MM**2 / gap_mm
 
 
 def tab_height(force_n: ArrayLike, stiffness: Values = 1.0, tab_mm: Values = TAB_MM) -> Floats:

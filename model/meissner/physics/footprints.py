@@ -21,16 +21,10 @@ def ring(x_mm: float, y_mm: float, outer_mm: float, inner_mm: float = 0.0) -> Pi
     return "ring", x_mm, y_mm, [outer_mm, inner_mm]
 
 
-def _rows_of_pins(
-    degrees: float, count: int = 4, pitch_mm: float = 2.54, apart_mm: float = 7.62
-) -> list[Piece]:
-    """A socket with two rows of contacts, each a plastic bar with its pins."""
-    angle = np.radians(degrees)
-    return [
-        bar(-side * apart_mm / 2 * np.sin(angle), side * apart_mm / 2 * np.cos(angle), *size, degrees)
-        for side in (-1, 1)
-        for size in [(count * pitch_mm, 2.0)]
-    ]
+def _rows_of_pins(degrees: float) -> list[Piece]:
+    """A socket with two rows of four contacts, 7.62 mm apart, each a plastic bar with its pins."""
+    x, y = -np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+    return [bar(away * x, away * y, 4 * 2.54, 2.0, degrees) for away in (-3.81, 3.81)]
 
 
 # The gap of the part with two edges (3 mm) and the six pins of the connector are published; the rest is

@@ -25,6 +25,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.random import Generator
 
 from meissner.arrays import Floats
 from meissner.physics import mesh_loads, plate, rubber
@@ -103,7 +104,7 @@ def pulled(
     speed_mm_s: float,
     material: str,
     wire_n_mm: float,
-    rng: np.random.Generator,
+    rng: Generator,
     cover_mm: float = 0.0,
 ) -> Held:
     """Pull an object held with the force ``grip_n`` [samples], steady from ``start_s`` on; returns ``Held``.
@@ -129,13 +130,7 @@ def gripped(grip_n: Floats) -> Held:
 
 
 def loads(
-    held: Held,
-    m: int,
-    n: int,
-    pitch_mm: float,
-    cover_pitches: float,
-    direction_deg: float,
-    rng: np.random.Generator,
+    held: Held, m: int, n: int, pitch_mm: float, cover_pitches: float, direction_deg: float, rng: Generator
 ) -> tuple[Floats, Floats]:
     """The forces on the taxels and the forces that they show (N), [samples, m, n] each.
 

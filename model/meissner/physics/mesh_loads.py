@@ -100,10 +100,10 @@ def true_centre(load: ArrayLike) -> tuple[Floats, Floats, Floats]:
     return total, x, y
 
 
-def cop_one_point(r: float = 10.0, force: float = 5.0) -> MeshScene:
+def cop_one_point(r: float = 10.0) -> MeshScene:
     """41×41, one load in the middle, for the voltage surface (mesh paper, figures 5 and 7)."""
     load = np.zeros((1, 41, 41))
-    load[0, 20, 20] = force
+    load[0, 20, 20] = 5.0
     return _published(41, 41, r, load)
 
 
@@ -224,18 +224,9 @@ def stroke(m: int, n: int, force: float, circle: float, steps: int, cover_radius
     return press(m, n, x, y, force, hemisphere_depth(x, y, cover_radius, cover_radius * (max(m, n) - 1) / 2))
 
 
-def cop_stroke(
-    m: int = 3,
-    n: int = 3,
-    r: float = 47.0,
-    force: float = 5.0,
-    circle: float = 0.5,
-    steps: int = 72,
-    cover: float = COVER_RADIUS,
-) -> MeshScene:
+def cop_stroke(steps: int = 72, cover: float = COVER_RADIUS) -> MeshScene:
     """A fingertip draws a circle on a hemispherical cover over 3×3 taxels (mesh paper, figures 14, 15).
 
     The hemisphere just covers the taxels, which are as wide as their pitch: 1.5 pitches.
     """
-    load = stroke(m, n, force, circle, steps, cover)
-    return _published(m, n, r, load)
+    return _published(3, 3, 47.0, stroke(3, 3, 5.0, 0.5, steps, cover))

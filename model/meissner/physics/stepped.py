@@ -21,7 +21,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Floats, Ints
+from meissner.arrays import Floats, Ints, Values
 from meissner.physics import plate, rubber
 
 HEAL_S = 0.1
@@ -46,11 +46,7 @@ class Ring:
     """
 
     def __init__(
-        self,
-        places: Sequence[Floats],
-        shares: Sequence[Floats],
-        friction: ArrayLike,
-        heal_s: float | Floats = HEAL_S,
+        self, places: Sequence[Floats], shares: Sequence[Floats], friction: ArrayLike, heal_s: Values = HEAL_S
     ) -> None:
         self.friction, self.heal_s = np.asarray(friction, dtype=float), heal_s
         contacts, most = len(places), max(map(len, places))
@@ -177,10 +173,10 @@ class Fluctuation:
 
 
 class Ripple:
-    """Unit ripple of a moving stage, [runs, samples] per block, from a tape of ``seconds`` that repeats."""
+    """Unit ripple of a moving stage, [runs, samples] per block, from a tape of two seconds that repeats."""
 
-    def __init__(self, rate_hz: float, rngs: Sequence[np.random.Generator], seconds: float = 2.0) -> None:
-        samples = round(seconds * rate_hz)
+    def __init__(self, rate_hz: float, rngs: Sequence[np.random.Generator]) -> None:
+        samples = round(2.0 * rate_hz)
         self.tape = np.stack([plate._ripple(samples, rate_hz, rng) for rng in rngs])
         self.place = 0
 

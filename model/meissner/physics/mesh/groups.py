@@ -5,13 +5,13 @@ have the same number of contacts. Electrodes are derived from drops and rises, s
 """
 
 import copy
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meissner.arrays import Bools, Floats, Ints
 from meissner.physics.mesh import contacts
+from meissner.physics.mesh.circuit import Longs
 from meissner.physics.mesh.green import UNIT
 from meissner.physics.mesh.solution import Certificate
 
@@ -160,13 +160,7 @@ class Nodal:
     """One scene by the (2mn+4) nodal equations; ``z`` and ``away`` as ``Circuit.refined`` gives them."""
 
     def __init__(
-        self,
-        mesh: "Mesh",
-        z: NDArray[Any],
-        away: NDArray[Any],
-        bound: Floats,
-        condition: float,
-        residual: float,
+        self, mesh: "Mesh", z: Longs, away: Longs, bound: Floats, condition: float, residual: float
     ) -> None:
         self.mesh, self.z, self.numbers = mesh, z, (condition, residual)
         drop1, rise2, drop3, rise4 = z[-4:] * np.array([1, -1, 1, -1])

@@ -36,7 +36,7 @@ class Mesh:
     V0 : float
         Volts: the rails are +-V0.
     k : float
-        Newton ohms: a taxel loaded with F newtons is a resistor k / F (eq. 24; 864 ohms at 5 N in the paper).
+        Newton ohms: a taxel loaded with F newtons is a resistor k / F (eq. 24).
     """
 
     def __init__(
