@@ -69,9 +69,8 @@ test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes
 test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can run them (tb/harness/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link tb/actuate
 
-extremes: $(SIM)  ## check every block and solver at the ends of its range: docs/extremes.md [BLOCKS="haar slip"]
-	@$(BIN)/python tools/extremes.py --record --jobs $(JOBS) $(BLOCKS)
-	@$(if $(BLOCKS),,$(BIN)/python tools/extremes.py --elaborate --jobs $(JOBS))
+extremes: $(SIM)  ## print the worst error of every block and solver at the ends of its range, and its bound [BLOCKS="haar slip"]
+	@PYTHONPATH=tb $(BIN)/python -m extremes --jobs $(JOBS) $(BLOCKS)
 
 lint: $(SIM)  ## run Verilator -Wall and slang on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/make/lint.py

@@ -12,7 +12,7 @@
 //
 // At most a byte every 4 clocks. If no packet is under way, an event's first byte follows it by 12 clocks;
 // out_begin_o, opening the frame, follows an event by 3, others by 4.   Model: model/meissner/twins/link/packet.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_packet #(
   parameter  int unsigned SlipDepth     = 64,    // events that can wait, a power of two; 0: no slip events

@@ -30,6 +30,8 @@ POSITION = {"position_error", "position_error_of_working_cells"}
 LOAD = {"load_error", "load_error_of_working_cells"}
 DEAD = {"dead", "dead_found", "dead_falsely", "dead_as_injected"}
 EVEN = {"unevenness_before", "unevenness_after"}
+
+
 def small(load_ohm=5000.0, min_load_n=1.0, driver_ohm=5.0):
     """The scene of 64×64 reduced to 12×10 cells: row 4 dead, cell (9, 7) stuck, 60 frames."""
     table = tomllib.loads(scenes.source("fsr_64x64"))

@@ -36,11 +36,11 @@ from parts.timing import changed
 
 PERIOD_NS = 250
 SLIP_V = {
-    **{"window": 16, "hop": 16, "threshold_v": 0.3, "gross_threshold_v": 1.0, "contact_level_v": 1.0},
+    **{"window": 16, "hop": 16, "threshold_p2p_v": 0.3, "gross_threshold_p2p_v": 1.0, "contact_level_v": 1.0},
     **{"release_level_v": 0.5, "contact_rises": True, "hold_ms": 1.0, "refractory_ms": 1.0, "blank_ms": 1.0},
 }
 SLIP_N = {
-    **{"window": 16, "hop": 16, "threshold_n": 0.3, "gross_threshold_n": 1.0, "contact_level_n": 0.8},
+    **{"window": 16, "hop": 16, "threshold_p2p_n": 0.3, "gross_threshold_p2p_n": 1.0, "contact_level_n": 0.8},
     **{"release_level_n": 0.4, "hold_ms": 1.0, "refractory_ms": 1.0, "blank_ms": 1.0},
 }
 ROWS, COLUMNS = 3, 7  # of the array; a conversion takes two columns
@@ -64,7 +64,7 @@ CASES = {
         "adc": {"part": "AD7606", "volts": 10.0, "rate_hz": 2000.0},
         "mesh": {"rows": 9, "columns": 9, "r_ohm": 47.0, "R0_ohm": 1e4, "V0_v": 5.0, "k_n_ohm": 1e4},
         "load": {"gain": 1.0, "lsb_n": 1e-3, "min_n": 0.05, "correction": "none"},
-        "cop_slip": {"lag_ms": 2.0, "drop": 0.3, "move": 0.0, "min_n": 0.2, "hold_ms": 1.0},
+        "cop_slip": {"lag_ms": 2.0, "drop": 0.3, "move": 0.0, "min_load_n": 0.2, "hold_ms": 1.0},
         "link": {"baud": 1_000_000, "statistics": False},
     },
     "smallest": {
@@ -194,7 +194,7 @@ class Line:
 
     def __init__(self, dut, build):
         self.dut, self.edges = dut, []
-        self.clk_hz, self.baud = 1000 * build.clk_khz, build.link["baud"]
+        self.clk_hz, self.baud = 1000 * build.clk_khz, build.link.baud
         cocotb.start_soon(self._watch())
 
     async def _watch(self):
@@ -443,14 +443,14 @@ async def an_events_first_bit_comes_within_20_clocks_of_its_sample(dut):
     cocotb.start_soon(watch())
     await bench.clocks(dut, FRAMES[name] * build.period_clocks)
     falls = [round(time / PERIOD_NS) for time, level in line.edges if level == 0]
-    quiet = 30 * build.clk_khz * 1000 / build.link["baud"]
+    quiet = 30 * build.clk_khz * 1000 / build.link.baud
     first = [now for before, now in pairwise([-1000, *falls]) if now - before > quiet]
     waits = {now - max(at for at in offered if at < now) for now in first}
     dut._log.info(f"clocks from a sample to the line's first bit: {sorted(waits)}")
     assert len(first) > 3 and max(waits) == {"channels": 10, "smallest": 19}[name]  # the README's
 
 
-@bench.applies(lambda dut: case_of(dut)[1].link["registers"])
+@bench.applies(lambda dut: case_of(dut)[1].link.registers)
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def commands_are_answered_while_it_measures(dut):
     name, build = case_of(dut)

@@ -101,11 +101,11 @@ def samples_of(config, codes):
 def array_of(config):
     """meissner.twins.sensor.sensor_array.Array of a configuration, as after reset."""
     limits = tare = None
-    if config.array["health"]:
+    if config.health:
         given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
         limits = Limits(**given)
-    if config.array["tare"]:
-        tare = {"contact": config.tare["contact_codes"], "step": config.tare["step"]}
+    if config.tare:
+        tare = {"contact": config.tare.contact_codes, "step": config.tare.step}
     parameters, settings = config.parameters, config.settings
     kinds = {"row_column": bool(parameters["RowColumn"]), "gain_shift": parameters["GainShift"]}
     kinds |= {"min_load": settings["cop.min_load"]}

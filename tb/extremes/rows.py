@@ -1,46 +1,36 @@
-"""Tests of each block and solver at and beyond the ends of its range, against exact arithmetic.
+"""Blocks and solvers at and beyond the ends of their ranges, against exact arithmetic.
 
-A row is a function in tb/extremes/<stage>.py:
-
-    @row("divide", {"": "1/2 LSB"}, ends="refused beyond 1")
+    @row("divide", {"": "1/2 LSB"})
     def divide(see):
         see.near(got, exact, where)
 
 ``see`` compares the results of a twin or solver with exact numbers (int, Fraction, mpmath's mpf), keeps the
 worst error and its place, and raises Outside if an error exceeds its bound or a result is NaN or infinite.
 Exact numbers come from tb/reference/exact.py and the files next to it, which import nothing from the twins.
-Rows are separate files, not entries of EVIDENCE: they are code, and five other kinds of evidence rest on a
-block's tests, so a new case there would make that evidence stale.
+
+`make extremes` runs the long form of all rows and prints their table.
 """
 
-import importlib.util
+import argparse
+import importlib
 import math
 import random
 import re
 import subprocess
 import sys
-import time
-import traceback
 import warnings
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 
 import mpmath
 import numpy as np
 
+from extremes.pairs import covering
 from meissner.builds import toolchain
-from nightly import benches, evidence
-from verify import revision
-from verify.pairs import covering
 
-FOLDER = toolchain.ROOT / "tb/extremes"
-TOPS = {  # blocks without a stated reference, since they only join others
-    "core": "joins registers, a sensor, slip_chain, grip and link",
-    "axis": "joins core and axil",
-    "shear_speeds": "joins frame_filter and shear_speed; its counters turn over by contract (docs/link.md)",
-    "actuate": "joins finger_health, grip and pwm; its counters turn over by contract (docs/link.md)",
-}
 EXAMPLES = {False: 40, True: 2000}  # hypothesis examples, short and long form
 WIDEST = 110  # characters shown of a place
 
@@ -51,43 +41,26 @@ class Outside(AssertionError):
 
 @dataclass(frozen=True)
 class Row:
-    """``bounds``: {quantity: bound}, ``ends``: behaviour beyond the range, ``rtl``: tests that drive the RTL
-    there, ``files``: a solver's files (a block has its sources)."""
+    """``bounds``: {quantity: bound}."""
 
     name: str
     bounds: dict
     body: object
-    ends: str = ""
-    rtl: tuple = ()
-    files: tuple = ()
-    source: str = ""
 
     def limit(self, part):
         """The number at the beginning of a bound; None if each case has its own bound."""
         found = re.match(r"\d+(/\d+)?(\.\d+)?(e-?\d+)?(?=\s|$)", self.bounds[part])
         return Fraction(found[0]) if found else None
 
-    @property
-    def error(self):
-        """The error line for the block's header."""
-        words = []
-        for part, bound in self.bounds.items():
-            bound = "none" if self.limit(part) == 0 else f"at most {bound}"
-            words.append(f"{bound} of {part}" if part else bound)
-        return f"Error: {'; '.join(words)} (docs/extremes.md)."
-
 
 ROWS = {}
 
 
-def row(name, bounds, ends="", rtl=(), files=()):
-    """Declare the row of a block, or of a solver if ``files`` are given."""
+def row(name, bounds):
+    """Declare the row of a block or a solver."""
 
     def declare(body):
-        if name in ROWS:
-            raise ValueError(f"two rows are called {name}")
-        source = f"tb/extremes/{body.__globals__['__name__'].removeprefix('extremes_')}.py"
-        ROWS[name] = Row(name, bounds, body, ends, tuple(rtl), tuple(files), source)
+        ROWS[name] = Row(name, bounds, body)
         return body
 
     return declare
@@ -96,31 +69,12 @@ def row(name, bounds, ends="", rtl=(), files=()):
 @cache
 def rows():
     """{name: Row} from all files: blocks in the order of rtl/rtl.f, then the solvers."""
-    ROWS.clear()
-    for path in sorted(FOLDER.glob("*.py")):
-        if path.stem.startswith(("test_", "_")):
-            continue
-        spec = importlib.util.spec_from_file_location(f"extremes_{path.stem}", path)
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[spec.name] = module
-        spec.loader.exec_module(module)
-    blocks = benches.blocks()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        if "\n@row(" in path.read_text("utf-8"):
+            importlib.import_module(f"extremes.{path.stem}")
+    blocks = [path.stem.removeprefix("msn_") for path in toolchain.sources()]
     order = sorted(ROWS, key=lambda name: (blocks.index(name) if name in blocks else len(blocks), name))
     return {name: ROWS[name] for name in order}
-
-
-def without():
-    """{block: why it has no row}: it moves data or joins blocks; ValueError if it computes and has no row."""
-    found = {}
-    for block in benches.blocks():
-        if block in rows():
-            continue
-        stated = evidence.of(block, "reference")
-        why = TOPS.get(block) or next((f"{k} {stated[k]}" for k in ("moves", "joins") if k in stated), None)
-        if why is None:
-            raise ValueError(f"msn_{block} computes, and no file of tb/extremes has a row for it")
-        found[block] = why
-    return found
 
 
 def exactly(number):
@@ -245,7 +199,7 @@ class See:
         return cases if self.long else list(cases)[::step]
 
     def covering(self, allowed=lambda **row: True, **axes):
-        """Combinations of parameters that contain each pair of values (verify.pairs)."""
+        """Combinations of parameters that contain each pair of values."""
         found = covering(axes, allowed, self.seed)
         if not found:
             raise Outside("no combination of the parameters is allowed")
@@ -266,38 +220,44 @@ def _place(where):
 
 
 def run(name, long=False, seed=1):
-    """The facts of a row: worst errors, cases, finding (empty if it passes). Warnings are findings, too."""
-    see, began, finding = See(rows()[name], long, seed), time.process_time(), ""
+    """The See of a row that has run; AssertionError if it compared nothing. Warnings are errors, too."""
+    see = See(rows()[name], long, seed)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        see.row.body(see)
+    assert see.cases and set(see.worst) == set(see.row.bounds), f"{name}: {see.cases} cases"
+    return see
+
+
+def lines(name):
+    """The lines of a row in the table, in its long form."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", RuntimeWarning)
-            see.row.body(see)
-        if not see.cases or set(see.worst) != set(see.row.bounds):
-            finding = f"{see.cases} cases, and no number for {sorted(set(see.row.bounds) - set(see.worst))}"
+        see = run(name, long=True)
     except Exception as problem:
-        line = traceback.extract_tb(problem.__traceback__)[-1]
-        known = isinstance(problem, Outside)
-        finding = (
-            str(problem) if known else f"{type(problem).__name__}: {problem}, {line.filename}:{line.lineno}"
-        )
-    worst = {
-        part: {"error": float(w.error), "bound": float(w.limit), "where": w.where}
-        for part, w in see.worst.items()
-    }
-    facts = {"worst": worst, "cases": see.cases, "pairs": see.pairs, "finding": finding}
-    return facts | {"seconds": round(time.process_time() - began, 2)}
+        return [f"| `{name}` | **{type(problem).__name__}: {problem}** | | |"]
+    found = []
+    for part, bound in see.row.bounds.items():
+        worst = see.worst[part]
+        own = see.row.limit(part) == worst.limit
+        there = "" if own else f" ({float(worst.limit):.3g} there)"
+        cells = [f"`{name}` {part}".strip(), f"{float(worst.error):.3g}", worst.where, f"{bound}{there}"]
+        found.append(" | ".join(" ".join(cell.split()).replace("|", "\\|") for cell in cells))
+    return [f"| {text} |" for text in found]
 
 
-@cache
-def digest(name):
-    """Eight digits that change with what a row rests on: sources, twin, the row's file, references."""
-    found = rows()[name]
-    files = {found.source, "tools/verify/extremes.py", "tools/verify/pairs.py", *found.files}
-    files |= {
-        str(path.relative_to(toolchain.ROOT)) for path in revision.imports(toolchain.ROOT / found.source)
-    }
-    if name in benches.blocks():
-        files |= {str(p.relative_to(toolchain.ROOT)) for p in toolchain.sources_of(f"msn_{name}")}
-        stage = benches.stage_of(name)
-        files |= {f"model/meissner/twins/{stage}/{name}.py"}
-    return revision.of_files(sorted(files), "extremes")
+def table(names=(), jobs=2):
+    """The worst error of each row, where it is, and its bound, in Markdown."""
+    with ProcessPoolExecutor(jobs) as pool:
+        found = [line for some in pool.map(lines, names or rows()) for line in some]
+    return "\n".join(["| block or solver | worst error | where | bound |", "|---" * 4 + "|", *found])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=table.__doc__)
+    parser.add_argument("rows", nargs="*", metavar="ROW", help=", ".join(rows()))
+    parser.add_argument("--jobs", type=int, default=2)
+    given = parser.parse_args()
+    if unknown := [name for name in given.rows if name not in rows()]:
+        parser.exit(2, f"extremes: there is no row {unknown[0]}\n")
+    print(found := table(given.rows, given.jobs))
+    sys.exit("**" in found)

@@ -13,9 +13,9 @@ from collections import Counter
 from itertools import combinations
 from random import Random
 
+from extremes.pairs import covering
 from meissner.builds import toolchain
 from nightly import benches
-from verify.pairs import covering
 
 ENDS = toolchain.ROOT / "tb/extremes/parameters.toml"
 # Elaborated by their rows in tb/extremes/*.py, with the sizes of the rows' cases.
@@ -51,9 +51,14 @@ def built(block):
     return {name: sorted({min(given), max(given)}) for name, given in values.items()}
 
 
+def named():
+    """The blocks that parameters.toml lists."""
+    return tomllib.loads(ENDS.read_text("utf-8"))
+
+
 def ends():
     """{block: {parameter: values}} of every block with two or more parameters without a row that does it."""
-    table = tomllib.loads(ENDS.read_text("utf-8"))
+    table = named()
     for block in benches.blocks():
         known = parameters(block)
         if block in table and (unknown := set(table[block]) - set(known)):
