@@ -91,7 +91,7 @@ module msn_registers #(
 
   // Each field by its row of the table.
   logic [Rows-1:0]                         here, here_q;   // the access is to its register; a clock later
-  logic [Rows-1:0]                         able, delays;   // can be written; a write waits for a frame's start
+  logic [Rows-1:0]                         able, delays;   // can be written; a write waits for a frame
   logic [msn_registers_pkg::ResetBits-1:0] written;        // settings as the host wrote them, as in Resets
   logic                                    commit;
   // verilator coverage_off
