@@ -26,8 +26,9 @@ Frame = Callable[[int], Floats]  # a scene's loads [m, n]
 
 
 class Mesh:
-    """An m x n mesh. Rows i count from top to bottom, columns j from left to right; E1 left, E3 right, E2 top,
-    E4 bottom. ``Cx``, ``Cy``, ``Kf``: the register constants, see ``cop_constants``.
+    """An m x n mesh, with the register constants ``Cx``, ``Cy``, ``Kf`` of ``cop_constants``.
+
+    Rows i count from top to bottom, columns j from left to right; E1 left, E3 right, E2 top, E4 bottom.
 
     Parameters
     ----------
