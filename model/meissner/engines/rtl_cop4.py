@@ -64,8 +64,8 @@ def cop4(codes: ArrayLike, config: Cop4Config, waves: Waves = None) -> Cop4:
         raise RuntimeError("the core did not give one result per sample")
     pressed, over, saturated, imbalance = ((flags >> bit & 1).astype(bool) for bit in range(4))
     opened = (flags >> 4).astype(np.int64)
-    x, y = x.astype(np.int32), y.astype(np.int32)
-    return Cop4(x, y, load.astype(np.int64), pressed, over, saturated, imbalance, opened)
+    place = (x.astype(np.int32), y.astype(np.int32), load.astype(np.int64))
+    return Cop4(*place, pressed, over, saturated, imbalance, opened)
 
 
 class _SlipRegisters(ctypes.Structure):
