@@ -11,7 +11,7 @@ namespace {
 using Core = meissner::Driver<Vmsn_core>;
 
 // A packet of slip keeps the decisions behind it waiting for less than this.
-constexpr int kQuiet = 64;
+constexpr int kQuiet = 128;
 
 // What core_pins reports in addition to the decisions.
 struct PinFacts {
