@@ -486,10 +486,6 @@ async def rests_in_reset(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`GripLoop`, a loop written from docs/grip.md",
-        "test": "tb/actuate/test_grip.py::test_model_against_the_loop",
-    },
     "equivalence": {"size": {"Fingers": 3}, "open": ["reset"]},
     "faults": {
         "settle": 40,

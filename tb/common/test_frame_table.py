@@ -134,7 +134,6 @@ async def a_word_that_is_written_as_it_is_read_shows(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "words of a table beside those of a frame"},
     "equivalence": {
         "size": {"Words": 3},
         "defined": True,

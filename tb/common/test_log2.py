@@ -89,10 +89,6 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "NumPy's `log2`, at every mantissa",
-        "test": "tb/common/test_log2.py::test_every_mantissa_within_the_bound",
-    },
     "equivalence": {"size": {"InBits": 10, "TableBits": 3, "FractionBits": 8}},
 }
 

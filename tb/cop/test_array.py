@@ -612,7 +612,6 @@ def tare_after(twin, samples, count):
 
 
 EVIDENCE = {
-    "reference": {"joins": "array_source, frame_gate, frame_marker, condition, cop_array"},
     "equivalence": {"size": {"Columns": 2}, "defined": True, "boxes": True, "open": ["reset"]},
     "mutants": {"sets": [1], "limit": 60, "unsolved": True},
     "faults": {

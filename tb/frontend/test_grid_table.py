@@ -123,10 +123,6 @@ async def matches_model(dut, pause_rate):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "numbers by hand: `write_row`",
-        "test": "tb/frontend/test_grid_table.py::test_model_of_rows_and_columns",
-    },
     "equivalence": {"size": {"Rows": 6}, "defined": True, "open": ["reset"]},
     "faults": {
         "size": {"Rows": 6},

@@ -430,7 +430,6 @@ SIZES = [
 
 
 EVIDENCE = {
-    "reference": {"joins": "scan_plan, scan_buffer"},
     "equivalence": {
         "size": {"Rows": 3},
         "defined": True,

@@ -256,7 +256,6 @@ CASES = [
 
 
 EVIDENCE = {
-    "reference": {"joins": "scan, burst, am_demod; likewise"},
     "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
     "faults": {
         "program": {"ClkKhz": 32000, "SamplePeriod": 100},

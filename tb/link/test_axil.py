@@ -156,7 +156,6 @@ async def a_reset_in_the_middle_leaves_no_answer_behind(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "accesses to the registers"},
     "equivalence": {
         "open": ["reset"],
         "reset": {

@@ -187,7 +187,6 @@ async def an_image_begins_as_the_reader_ends(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "taxels of the newest image"},
     "equivalence": {
         "size": {"Taxels": 9},
         "open": ["reset"],

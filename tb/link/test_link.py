@@ -195,7 +195,6 @@ async def without_a_line_the_bus_is_the_hosts(dut):
 
 
 EVIDENCE = {
-    "reference": {"joins": "packet, cobs, uart_tx, uart_rx, bridge"},
     "equivalence": {"boxes": True, "yosys": "slang joins a port of msn_bridge otherwise", "open": ["reset"]},
     "faults": {
         "size": {"Uart": 0},

@@ -123,7 +123,6 @@ async def everything_is_the_models(dut, pace):
 
 
 EVIDENCE = {
-    "reference": {"joins": "array, calibration_preset, health_report, width_converter"},
     "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
 }
 

@@ -314,7 +314,6 @@ SMALLEST = {
 
 
 EVIDENCE = {
-    "reference": {"joins": "sensor_channels, slip_path"},
     "equivalence": {
         "size": {"Channels": 3},
         "reset_size": {"Channels": 1},

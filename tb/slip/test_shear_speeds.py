@@ -467,10 +467,6 @@ async def without_it_samples_pass_in_their_clock(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Loop`, of the loop in tb/reference/shear.py, written from docs/shear_speed.md",
-        "test": "tb/slip/test_shear_speeds.py::test_model_against_the_loop",
-    },
     "equivalence": {"size": {"Channels": 3}, "boxes": True, "open": ["reset"]},
     "mutants": {"unsolved": True},
     "faults": {

@@ -283,10 +283,6 @@ async def masked_taxels_raise_no_slip(dut, rises):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`SlipPathReference`",
-        "test": "tb/slip/test_slip_reference.py::test_the_path_is_the_loop_s",
-    },
     "equivalence": {"boxes": True, "open": ["reset"]},
     "faults": {
         "size": {"Channels": 3, "Window": 16},

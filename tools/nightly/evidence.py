@@ -15,8 +15,6 @@ from nightly import benches
 
 NAME = "EVIDENCE"
 KEYS = {  # {kind: {key: type}}
-    # What the twin is checked against, and by which test; or what the block moves; or which blocks it joins.
-    "reference": {"against": str, "test": str, "moves": str, "joins": str},
     "equivalence": {  # of the netlist and of the reset
         "size": dict,  # which of the tests' sizes: a small memory, but more than one of each thing
         "reset_size": dict,  # the same for the reset's proof, where that takes a smaller one
