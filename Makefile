@@ -1,7 +1,6 @@
 # `make help` lists the targets. The environment is set up in .venv on first use.
 PYTHON ?= python3
 JOBS   ?= $(shell nproc 2>/dev/null || echo 2)
-SEEDS  ?= 200
 BIN    := .venv/bin
 PYENV  := .venv/.python
 SIM    := .venv/.sim
@@ -18,7 +17,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
-.PHONY: nightly powerup fuzz extremes regress test-icarus
+.PHONY: nightly extremes test-icarus
 
 help:  ## print this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -70,21 +69,11 @@ test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes
 test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can run them (tb/harness/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link tb/actuate
 
-fuzz: $(SIM)  ## give a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
-	@$(BIN)/python tools/fuzz.py --record $(FUZZ)
-
-extremes: $(SIM)  ## check every block and solver at the ends of its range: docs/extremes.md [BLOCKS="haar slip"]
-	@$(BIN)/python tools/extremes.py --record --jobs $(JOBS) $(BLOCKS)
-	@$(if $(BLOCKS),,$(BIN)/python tools/extremes.py --elaborate --jobs $(JOBS))
-
-regress: $(SIM)  ## test blocks in SEEDS=N random sizes with random stimulus [REGRESS="--scheduler ADDRESS"]
-	@$(BIN)/python tools/regress.py $(SEEDS) --jobs $(JOBS) --record $(REGRESS)
+extremes: $(SIM)  ## print the worst error of every block and solver at the ends of its range, and its bound [BLOCKS="haar slip"]
+	@PYTHONPATH=tb $(BIN)/python -m extremes --jobs $(JOBS) $(BLOCKS)
 
 lint: $(SIM)  ## run Verilator -Wall and slang on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/make/lint.py
-
-powerup: $(SIM)  ## power up each block twenty times with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
-	@$(BIN)/python tools/powerup.py --record --jobs $(JOBS) $(BLOCKS)
 
 registers: $(SIM)  ## write RTL, Python map, C header and page of the registers from rtl/registers.rdl
 	@$(BIN)/python tools/make/registers.py

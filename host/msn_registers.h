@@ -43,6 +43,7 @@
 #define MSN_CORE_WIDTHS_OFFSET_SHIFT 24
 #define MSN_CORE_WIDTHS_OFFSET_BITS 8
 #define MSN_CORE_BEATS 0x01cu
+#define MSN_CORE_HOLD 0x020u
 
 /* Converter of single channels or of four electrodes */
 #define MSN_ADC_ENABLE 0x100u

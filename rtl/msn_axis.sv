@@ -118,6 +118,8 @@ module msn_axis #(
   logic [CoreRows-1:0] unused_row;
   logic [Wide-1:0]     unused_cs_n, unused_sclk, unused_mosi, unused_convst, unused_reset;
   logic                unused_group, unused_tx;
+  msn_pkg::verdict_t   unused_verdict;
+  msn_pkg::decision_t  unused_decision;
   msn_core #(
     .Converters(Wide),
     .AdcChannels  ((CoreColumns + Wide - 1) / Wide),  // one group
@@ -135,6 +137,7 @@ module msn_axis #(
     .in_valid_i(s_axis_tvalid), .in_ready_o(s_axis_tready), .in_data_i(samples), .in_id_i(id),
     .in_last_i(s_axis_tlast),
     .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o, .grip_word_o, .pwm_o,
+    .verdict_o(unused_verdict), .decision_o(unused_decision),
     .rx_i(1'b1), .tx_o(unused_tx),
     .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),
     .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_rdata_o(bus_rdata),

@@ -99,6 +99,9 @@ module msn_core #(
   output logic signed [16:0]              grip_word_o,
   output logic                            pwm_o,
 
+  output msn_pkg::verdict_t               verdict_o,         // every decision of the slip chain, for a bench or an
+  output msn_pkg::decision_t              decision_o,        // engine: once each, with verdict_o.valid
+
   input  logic                            rx_i,
   output logic                            tx_o,
 
@@ -179,8 +182,7 @@ module msn_core #(
   logic                         cop_slip_valid, cop_slip_ready, decision_valid, decision_ready;
   msn_pkg::cop_t                cop;
   msn_pkg::health_t             health;
-  msn_pkg::decision_t           cop_slip, decision;
-  msn_pkg::verdict_t            verdict;
+  msn_pkg::decision_t           cop_slip;
   msn_pkg::shear_t              shear;
   assign stream = signed'(in_data_i[SampleBits-1:0]);  // of one lane
 
@@ -256,7 +258,7 @@ module msn_core #(
     .in_valid_i(slip_valid), .in_ready_o(slip_ready), .in_data_i(sample), .in_id_i(sample_id),
     .in_last_i(sample_last), .in_mask_i(sample_mask),
     .cop_valid_i(cop_slip_valid), .cop_ready_o(cop_slip_ready), .cop_i(cop_slip),
-    .out_valid_o(decision_valid), .out_ready_i(decision_ready), .out_o(decision), .verdict_o(verdict),
+    .out_valid_o(decision_valid), .out_ready_i(decision_ready), .out_o(decision_o), .verdict_o,
     .busy_o(slip_busy), .slip_o, .gross_o, .touched_o
   );
 
@@ -265,7 +267,7 @@ module msn_core #(
   ) u_actuate (
     .clk_i, .rst_i, .cfg_i(cfg.grip), .status_o(of_grip),
     .sample_valid_i(sample_valid && sample_ready), .sample_data_i(sample), .sample_id_i(sample_id),
-    .adc_i(sensor_status.adc), .verdict_i(verdict), .shear_i(shear), .grip_valid_o, .grip_word_o, .pwm_o
+    .adc_i(sensor_status.adc), .verdict_i(verdict_o), .shear_i(shear), .grip_valid_o, .grip_word_o, .pwm_o
   );
 
   // Packets to the host, commands from it.
@@ -277,7 +279,7 @@ module msn_core #(
   ) u_link (
     .clk_i, .rst_i, .now_o(now), .status_i(status), .status_o(of_link), .convert_i(convert),
     .time_i(frame_time), .cop_valid_i(cop_valid), .cop_i(cop), .pressed_o, .decision_valid_i(decision_valid),
-    .decision_ready_o(decision_ready), .decision_i(decision),
+    .decision_ready_o(decision_ready), .decision_i(decision_o),
     .health_valid_i(health_valid), .health_ready_o(health_ready), .health_i(health),
     .image_valid_i(Image && cfg.link.images && sample_valid && sample_ready), .image_data_i(16'(sample)),
     .image_last_i(sample_last),

@@ -1,5 +1,6 @@
 rtl/msn_pkg.sv
 rtl/link/msn_registers_pkg.sv
+rtl/common/msn_check.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_filter.sv
 rtl/common/msn_frame_gate.sv
@@ -52,7 +53,6 @@ rtl/slip/msn_slip_serial.sv
 rtl/slip/msn_slip_flags.sv
 rtl/slip/msn_slip_path.sv
 rtl/slip/msn_slip_chain.sv
-rtl/slip/msn_channels.sv
 rtl/slip/msn_shear_speed.sv
 rtl/slip/msn_shear_speeds.sv
 rtl/cop/msn_cop_accumulate.sv

@@ -12,7 +12,7 @@ LAYERS = [
         "names",
         "terminal",
         "interval",
-        "check",
+        "tables",
         "files",
         "builds.cached_files",
         "builds.objcache",

@@ -14,7 +14,7 @@ def test_every_block_has_its_twin_and_its_testbench():
         stage, block = path.parent.name, path.stem.removeprefix("msn_")
         folder = "model/meissner/twins/" if path.stem in TOPS else f"model/meissner/twins/{stage}/"
         stage = "core" if path.stem in TOPS else stage
-        if not path.stem.endswith("_pkg"):
+        if not path.stem.endswith("_pkg") and path.stem != "msn_check":  # it has no output
             named = re.findall(rf"{folder}\w+\.py", path.read_text())
             assert named and all((ROOT / twin).exists() for twin in named), f"the header of {block}"
             own = path.stem in TOPS or f"{folder}{block}.py" in named

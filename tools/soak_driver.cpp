@@ -50,23 +50,22 @@ void soak_run(int64_t events, int64_t sixteenths, int32_t mean, int32_t burst, i
       }
       next = now + static_cast<int64_t>(count) * mean / 2 + draw() % (static_cast<uint32_t>(count) * mean);
     }
-    top.now_i = now;
-    top.slip_valid_i = !offered.empty();
+    top.decision_valid_i = !offered.empty();
     if (!offered.empty()) {
       const Event &event = offered.front();
-      top.slip_id_i = event.channel;
-      top.slip_p2p_i = event.p2p;
-      top.slip_state_i = event.state;
-      top.slip_time_i = event.time;
+      // msn_pkg::decision_t: raised, last, state, p2p, id.
+      const uint64_t state = uint64_t{0b10} << 3 | event.state;
+      top.decision_i = state << 40 | static_cast<uint64_t>(event.p2p) << 16 | event.channel;
+      top.time_i = event.time;
     }
     top.cop_valid_i = draw() % 1000 == 0;
-    top.cop_x_i = draw() & 0xffffff;
+    top.cop_i[0] = draw();
     top.image_valid_i = 1;
     top.image_data_i = static_cast<uint16_t>(taxel * 40503);
     top.image_last_i = taxel == taxels - 1;
     top.eval();
-    const bool accepted = top.slip_valid_i && top.slip_ready_o;
-    out->held += top.slip_valid_i && !top.slip_ready_o;
+    const bool accepted = top.decision_valid_i && top.decision_ready_o;
+    out->held += top.decision_valid_i && !top.decision_ready_o;
     if (accepted) {
       sent.push_back(offered.front());
       offered.pop_front();

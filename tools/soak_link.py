@@ -27,7 +27,13 @@ class Soak(ctypes.Structure):
 
 def soak(events, mean=1000, burst=100, seed=1):
     """A soak with so many events, on average ``mean`` clocks apart, in bursts of up to ``burst``."""
-    parameters = {"ClkHz": CLK_HZ, "BaudHz": BAUD_HZ, "Taxels": TAXELS, "SlipDepth": DEPTH, "Health": 0}
+    parameters = {
+        "ClkKhz": CLK_HZ // 1000,
+        "BaudHz": BAUD_HZ,
+        "Taxels": TAXELS,
+        "SlipDepth": DEPTH,
+        "Health": 0,
+    }
     lib = ctypes.CDLL(str(verilated.library("msn_link", DRIVER, parameters)))
     number = ctypes.c_int32
     pointer = ctypes.POINTER(Soak)

@@ -14,7 +14,7 @@
 // first decision over in a period; 5 clocks if the period's end has just given a command. A decision and a speed a
 // clock; a speed is used for windows from 3 clocks after it. No back-pressure: nothing waits for the hand.
 // fault_o: silent, unhealthy, at the limit, minimum > maximum, unarmed.   Model: model/meissner/twins/actuate/grip.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_grip #(
   parameter  int unsigned Fingers     = 2,

@@ -7,7 +7,7 @@
 // Words arrive at any time; each period uses the last word before it begins, so a new word never changes a pulse under
 // way. No pulses until the first word after a reset: a motor driver that holds without pulses then holds, where a word
 // of 0 would be a command to open. The first period begins at the pin 3 clocks after the first word.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/actuate/pwm.py
 
 module msn_pwm #(

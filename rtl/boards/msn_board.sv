@@ -54,7 +54,8 @@ module msn_board (
     .adc_reset_o(reset),
     .actuator_moving_i(moving_i),
     .in_valid_i(1'b0), .in_ready_o(), .in_data_i('0), .in_id_i('0), .in_last_i(1'b0),
-    .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o(), .grip_word_o(), .pwm_o, .rx_i, .tx_o,
+    .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o(), .grip_word_o(), .pwm_o,
+    .verdict_o(), .decision_o(), .rx_i, .tx_o,
     .bus_valid_i(1'b0), .bus_write_i(1'b0), .bus_address_i('0), .bus_wdata_i('0), .bus_strobe_i('0),
     .bus_done_o(), .bus_error_o(), .bus_rdata_o(),
     .out_valid_o(), .out_ready_i(1'b1), .out_data_o(), .out_last_o()

@@ -7,7 +7,7 @@
 // Written as one subtraction, which is one carry chain; Yosys maps the operator `>` on signed numbers to two
 // chains and two tables: 112 instead of 143 MHz on ECP5 where the comparison selects what is stored.
 // Combinational.   Model: model/meissner/twins/common/arithmetic.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_compare #(
   parameter int unsigned Width = 18

@@ -6,7 +6,7 @@
 //
 // In canonical signed digits: Constant = Plus - Minus with as few bits set as possible and no two set bits
 // adjacent; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/arithmetic.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_constant_multiplier #(
   parameter  int unsigned Constant = 63,

@@ -63,17 +63,8 @@ module msn_delay #(
       if (rst_i) slot <= '0;
     end
 
-`ifndef SYNTHESIS
     // Reading a slot in the clock in which it is written is undefined.
-    // verilator coverage_off
-    always_ff @(posedge clk_i) begin
-      if (step_i && !rst_i) begin
-        assert (slot != slot_next)
-        else $fatal(1, "msn_delay: slot %0d is read and written in one clock", slot);
-      end
-    end
-    // verilator coverage_on
-`endif
+    msn_check u_read_is_not_written (.clk_i, .rst_i, .wrong_i(!rst_i && step_i && slot == slot_next));
   end
 
 endmodule

@@ -13,7 +13,7 @@
 //          T, T' - T  msn_multiply  sum  shift  msn_round_sat
 //
 // Latency 6 clocks, a number a clock.   Model: model/meissner/twins/common/exp2.py
-// Error: at most 1/2 LSB and 0.0000166 of the result at the default size, exact at whole exponents (docs/extremes.md).
+// Error: at most 1/2 LSB and 0.0000166 of the result at the default size, exact at whole exponents (tb/extremes).
 
 module msn_exp2 #(
   parameter  int unsigned WholeBits    = 11,  // of y, including its sign

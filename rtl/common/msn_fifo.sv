@@ -67,16 +67,9 @@ module msn_fifo #(
     end
   end
 
-`ifndef SYNTHESIS
   // Reading an entry in the clock in which it is written is undefined.
-  // verilator coverage_off
-  always_ff @(posedge clk_i) begin
-    if (put && get && !rst_i) begin
-      assert (written[PlaceBits-1:0] != read[PlaceBits-1:0])
-      else $fatal(1, "msn_fifo: place %0d is read and written in one clock", read[PlaceBits-1:0]);
-    end
-  end
-  // verilator coverage_on
-`endif
+  msn_check u_read_is_not_written (
+    .clk_i, .rst_i, .wrong_i(!rst_i && put && get && written[PlaceBits-1:0] == read[PlaceBits-1:0])
+  );
 
 endmodule

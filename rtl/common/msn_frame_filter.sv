@@ -7,7 +7,7 @@
 // marked `restart`, as is the first after reset: blocks downstream must discard their history there.
 //
 // Latency 1 clock, one sample per clock.   Model: model/meissner/twins/common/frame_filter.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_frame_filter #(
   parameter  int unsigned Channels = 8,

@@ -8,7 +8,7 @@
 // between two frames in which no output waits (quiet_i).
 //
 // One frame at a time: msn_frame_gate is closed while busy_o.   Model: model/meissner/twins/common/frame_owed.py
-// Error: at most 1 clock (docs/extremes.md).
+// Error: at most 1 clock (tb/extremes).
 
 module msn_frame_owed #(
   parameter int unsigned Results   = 1,

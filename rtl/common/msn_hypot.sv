@@ -13,7 +13,7 @@
 //          a, b   rest = 4 rest + .., R = 2R, next bit  rest - (4R+4)?   rest - (2R+1)?
 //
 // Latency 3 Bits + 1 clocks, 3 unless Exact; the period is the same.   Model: model/meissner/twins/common/hypot.py
-// Error: at most 1 LSB of the root; at most 2.99 % and 1 LSB of the estimate (docs/extremes.md).
+// Error: at most 1 LSB of the root; at most 2.99 % and 1 LSB of the estimate (tb/extremes).
 
 module msn_hypot #(
   parameter int unsigned Bits  = 24,

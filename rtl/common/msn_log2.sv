@@ -13,7 +13,7 @@
 //          leading bit  shift  T, T' - T  msn_multiply  sum  msn_round_sat
 //
 // Latency 7 clocks, a number a clock.   Model: model/meissner/twins/common/log2.py
-// Error: at most 0.0000576 at the default size, exact at powers of two (docs/extremes.md).
+// Error: at most 0.0000576 at the default size, exact at powers of two (tb/extremes).
 
 module msn_log2 #(
   parameter  int unsigned InBits       = 27,

@@ -6,7 +6,7 @@
 //
 // Latency 2 clocks in which enable_i is high, a product a clock. Where synthesis does not use the multiplier's own
 // registers there is another version: rtl/ecp5/msn_multiply.sv.   Model: model/meissner/twins/common/arithmetic.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_multiply #(
   parameter int unsigned AWidth = 18,

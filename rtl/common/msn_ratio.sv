@@ -12,7 +12,7 @@
 //          a, d  k a  limit  msn_divide      (clock 1 fills the multiplier's own input registers)
 //
 // Latency Steps + 4 clocks, a quotient every Steps + 1 (Steps: see msn_divide). `side` travels along.
-// Error: at most 1/2 LSB (docs/extremes.md).
+// Error: at most 1/2 LSB (tb/extremes).
 // Model: model/meissner/twins/common/ratio.py
 
 module msn_ratio #(

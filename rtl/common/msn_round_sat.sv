@@ -6,7 +6,7 @@
 //   low, high = -2^(OutWidth-1), 2^(OutWidth-1) - 1;   Unsigned: 0, 2^OutWidth - 1
 //
 // The only block that drops bits. Latency 1 clock, one sample per clock.
-// Error: at most 1/2 LSB (docs/extremes.md).
+// Error: at most 1/2 LSB (tb/extremes).
 // Model: model/meissner/twins/common/round_sat.py
 
 module msn_round_sat #(

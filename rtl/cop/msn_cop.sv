@@ -3,9 +3,9 @@
 // Centre of pressure and load of each frame of forces: msn_cop_accumulate, then msn_cop_divide.
 //
 // Latency after a frame's last beat: 3 + log2(Lanes) clocks and the divider's Steps, the same in every
-// frame: 11 at one lane, Q2.14 and two bits a clock. Frames of Steps + 1 beats or more never wait; with a
-// pipelined divider no frame waits.   Model: model/meissner/twins/cop/cop.py
-// Error: at most 1/2 LSB of x, y (docs/extremes.md).
+// frame: 11 at one lane, Q2.14 and two bits a clock. Frames of Steps + 1 beats or more never wait.
+// Model: model/meissner/twins/cop/cop.py
+// Error: at most 1/2 LSB of x, y (tb/extremes).
 
 module msn_cop #(
   parameter  int unsigned Rows         = 64,
@@ -13,7 +13,6 @@ module msn_cop #(
   parameter  int unsigned Lanes        = 1,
   parameter  int unsigned FractionBits = 14,
   parameter  int unsigned BitsPerClock = 2,
-  parameter  bit          Pipelined    = 1'b0,
   localparam int unsigned SumBits      = 16 + $clog2(Rows * Columns),
   localparam int unsigned MxBits       = SumBits + msn_pkg::index_width(Columns),
   localparam int unsigned MyBits       = SumBits + msn_pkg::index_width(Rows),
@@ -54,8 +53,7 @@ module msn_cop #(
   );
 
   msn_cop_divide #(
-    .Rows(Rows), .Columns(Columns), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock),
-    .Pipelined(Pipelined)
+    .Rows(Rows), .Columns(Columns), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock)
   ) u_divide (
     .clk_i, .rst_i,
     .cfg_min_load_i,

@@ -16,7 +16,7 @@
 // Correct: the load follows the position, as its D is corrected for the layers' drop (msn_cop4_correct).
 // Latency S + 8 clocks, S + P + 20 if Correct; a sample every S + 1. Division steps: load S = 9, position P = 8, at one
 // bit a clock 17, 15. Back-to-back samples fill the stages and wait: 62 clocks, 141 if Correct, at one bit 110, 271.
-// Error: at most 1/2 LSB of x, y; at most 1/2 LSB of load (docs/extremes.md).
+// Error: at most 1/2 LSB of x, y; at most 1/2 LSB of load (tb/extremes).
 // Model: model/meissner/twins/cop/cop4.py
 
 module msn_cop4 #(

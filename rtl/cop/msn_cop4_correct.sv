@@ -13,7 +13,7 @@
 //
 // Latency 8 clocks, a result every 2: in_ready_o is registered, so that out_ready_i has no combinational path
 // to the blocks upstream. `side` travels along.
-// Error: none; at most 5 N of the polynomial (docs/extremes.md).
+// Error: none; at most 5 N of the polynomial (tb/extremes).
 // Model: model/meissner/twins/cop/cop4_correct.py
 
 module msn_cop4_correct #(

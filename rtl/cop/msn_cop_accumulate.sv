@@ -13,7 +13,7 @@
 //
 // Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_marker gives them; a
 // frame with a beat that does not fit gives no result.   Model: model/meissner/twins/cop/cop_accumulate.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_cop_accumulate #(
   parameter  int unsigned Rows    = 64,

@@ -9,7 +9,7 @@
 // has x = 0, one row y = 0. S = 0 is divided as 0 / 1: no divider ever gets a zero denominator.
 //
 // Latency: that of msn_divide, both coordinates in parallel; the load travels with them.
-// Error: at most 1/2 LSB of x, y (docs/extremes.md).
+// Error: at most 1/2 LSB of x, y (tb/extremes).
 // Model: model/meissner/twins/cop/cop_divide.py
 
 module msn_cop_divide #(
@@ -17,7 +17,6 @@ module msn_cop_divide #(
   parameter  int unsigned Columns      = 64,
   parameter  int unsigned FractionBits = 14,
   parameter  int unsigned BitsPerClock = 2,
-  parameter  bit          Pipelined    = 1'b0,
   localparam int unsigned SumBits      = 16 + $clog2(Rows * Columns),
   localparam int unsigned MxBits       = SumBits + msn_pkg::index_width(Columns),
   localparam int unsigned MyBits       = SumBits + msn_pkg::index_width(Rows),
@@ -80,7 +79,7 @@ module msn_cop_divide #(
   logic                      ready_x, ready_y;
   assign in_ready_o = ready_x && ready_y;
   msn_divide #(
-    .DenBits(DenXBits), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Pipelined(Pipelined),
+    .DenBits(DenXBits), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock),
     .SideBits(SumBits + 1)
   ) u_x (
     .clk_i, .rst_i,
@@ -91,7 +90,7 @@ module msn_cop_divide #(
 
   logic unused_valid, unused_side;
   msn_divide #(
-    .DenBits(DenYBits), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Pipelined(Pipelined),
+    .DenBits(DenYBits), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock),
     .SideBits(1)
   ) u_y (
     .clk_i, .rst_i,

@@ -14,7 +14,7 @@
 //          old, differences, drop old  magnitudes, compare  53 |d|, move  octant  state
 //
 // Latency 5 clocks, a sample a clock. An ordinary release lowers the load too: move > 0 excludes it.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/cop/cop_slip.py
 
 module msn_cop_slip #(

@@ -8,7 +8,7 @@
 //
 // Outputs of parts not built are 0, CS is high. convert_o is high in the clock in which a frame's time is taken, its
 // convert start; with a stream any clock may be one, so convert_o stays high. No latency of its own.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/acquire.py
 
 module msn_acquire #(

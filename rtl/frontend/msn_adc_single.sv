@@ -10,7 +10,7 @@
 // Conversions start every Period clocks while cfg_enable_i, whatever the consumer does; if the sample before still
 // waits at the start, the new one is read from the part and dropped (dropped_o). msn_adc_spi supports more channels,
 // other parts and a period in a register.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/adc_single.py
 
 module msn_adc_single #(

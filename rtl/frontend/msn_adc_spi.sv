@@ -10,7 +10,7 @@
 // After reset the part is first reset or set up; then ticks begin.
 //
 // The twin, model/meissner/twins/frontend/adc_spi.py, gives all latencies as functions.
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,  // msn_pkg::adc_part_e

@@ -15,7 +15,7 @@
 //          weigh, compare I, Q, M  held  magnitude  shift               round
 // The first lane leaves after model.latency() clocks, the others model.lane_clocks() apart; samples wait only
 // when a measurement ends before the previous lanes are out.   Model: model/meissner/twins/frontend/am_demod.py
-// Error: at most 1/2 LSB (docs/extremes.md).
+// Error: at most 1/2 LSB (tb/extremes).
 
 module msn_am_demod #(
   parameter  int unsigned Form             = msn_pkg::DemodIq,  // msn_pkg::demod_form_e

@@ -6,7 +6,7 @@
 // spoiled_o stays high until the next burst starts.
 // A start during a burst begins a new burst.
 //
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/burst.py
 
 module msn_burst #(

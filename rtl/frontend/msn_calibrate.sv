@@ -13,7 +13,7 @@
 //          1 .. 6 tables     7 raw - offset  8, 9 x gain   10 copy   11 sum   12 round   13 .. 15 fifo
 //
 // Latency 3 clocks (RowColumn 15), a beat a clock, frames without a gap, but of taxels a few clocks' wait after a swap
-// and a damaged frame.   Model: model/meissner/twins/frontend/calibrate.py   Error: at most 1/2 LSB (docs/extremes.md).
+// and a damaged frame.   Model: model/meissner/twins/frontend/calibrate.py   Error: at most 1/2 LSB (tb/extremes).
 
 module msn_calibrate #(
   parameter  int unsigned Rows       = 64,

@@ -5,7 +5,7 @@
 // a word that does not exist is ignored: it would change an existing word with the same low address bits.
 //
 // This takes Words + 1 clocks (RowColumn: a row's beats + Rows + 1), in which a host's writes are lost; then done_o.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/calibration_preset.py
 
 module msn_calibration_preset #(

@@ -12,7 +12,7 @@
 //
 // The words follow take_i by 6 clocks, a beat a clock. No stage stalls, so none needs a clock enable, and the
 // memories' slow outputs have a full clock.   Model: model/meissner/twins/frontend/calibrate.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_grid_table #(
   parameter  int unsigned Rows       = 1024,
@@ -145,23 +145,14 @@ module msn_grid_table #(
     end
   end
 
-`ifndef SYNTHESIS
   // Reading a word in the clock in which it is written is undefined. It cannot happen, as the bank read is never the
-  // one written, except before the first reset and for a clock after a reset, when nothing is loaded.
-  // verilator coverage_off
-  logic begun, was_reset;
-  initial {begun, was_reset} = '0;
-  always @(posedge clk_i) begin
-    was_reset <= rst_i;
-    begun     <= !rst_i && (begun || was_reset);
-    if (begun && !rst_i) begin
-      assert (!write_row || row_at[RowBits] == bank)
-      else $fatal(1, "msn_grid_table: bank %0d of rows is read and written in one clock", !bank);
-      assert (write == '0 || beat_at[BeatBits] == bank)
-      else $fatal(1, "msn_grid_table: bank %0d of columns is read and written in one clock", !bank);
-    end
-  end
-  // verilator coverage_on
-`endif
+  // one written, except for a clock after a reset, when nothing is loaded.
+  logic was_reset;
+  always_ff @(posedge clk_i) was_reset <= rst_i;
+  msn_check u_read_is_not_written (
+    .clk_i, .rst_i,
+    .wrong_i(!rst_i && !was_reset && ((write_row && row_at[RowBits] != bank) ||
+                                      (write != '0 && beat_at[BeatBits] != bank)))
+  );
 
 endmodule

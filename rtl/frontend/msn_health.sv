@@ -16,7 +16,7 @@
 //          sample  msn_health_taxel  events  write
 //
 // This block has the frames, tables and neighbours. Latency 1 clock; a beat a clock, 9 clocks between frames.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/health.py
 
 module msn_health #(

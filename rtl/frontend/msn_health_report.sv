@@ -5,7 +5,7 @@
 //   taxel = id*Lanes + lane     faults = 1 dead + 2 railed + 4 blinking; healthy taxels are skipped
 //
 // A lane a clock; the next event is taken when the last lane is done.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/health_report.py
 
 module msn_health_report #(

@@ -10,7 +10,7 @@
 //
 // The state and the neighbours' inputs are read with take_i, raw_i a clock later, tick_i, fresh_i and send_i in clock
 // 4, in which the event outputs are valid. Counters saturate at 255. No reset: invalid results are not used.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/health_taxel.py
 
 module msn_health_taxel #(

@@ -151,18 +151,12 @@ module msn_scan_buffer #(
     end
   end
 
-`ifndef SYNTHESIS
   // Reading a place in the clock in which it is written is undefined. Exempt: a frame with a missing beat, replaced
   // by the next one, is damaged anyway.
-  // verilator coverage_off
-  always_ff @(posedge clk_i) begin
-    if (store && step && !(in_first_i && !whole_q) && !rst_i) begin
-      assert (in_address != AddressBits'(id_q))
-      else $fatal(1, "msn_scan_buffer: place %0d is read and written in one clock", in_address);
-    end
-  end
-  // verilator coverage_on
-`endif
+  msn_check u_read_is_not_written (
+    .clk_i, .rst_i,
+    .wrong_i(!rst_i && store && step && !(in_first_i && !whole_q) && in_address == AddressBits'(id_q))
+  );
 
   if (Sorts) begin : gen_all
     assign room_o = 1'b1;

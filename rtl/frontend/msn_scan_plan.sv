@@ -10,7 +10,7 @@
 // after its last switch a frame counts as under way until then.
 // Settle and period are read while off, the order in the clock of a frame's first switch. cfg_enable_i low: off after
 // the frame.   Model: model/meissner/twins/frontend/scan_plan.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_scan_plan #(
   parameter  int unsigned Rows       = 16,

@@ -16,7 +16,7 @@
 //          raw - o  sign, sums  b, sum next  write
 //
 // Latency 1 clock; a beat a clock, 8 clocks between frames.   Model: model/meissner/twins/frontend/tare.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_tare #(
   parameter  int unsigned Rows         = 64,

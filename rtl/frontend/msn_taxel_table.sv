@@ -100,20 +100,11 @@ module msn_taxel_table #(
     end
   end
 
-`ifndef SYNTHESIS
   // Reading a word in the clock in which it is written is undefined. It cannot happen, as the bank read is never the
-  // one written, except before the first reset and its first swap, when nothing is loaded.
-  // verilator coverage_off
-  logic begun;
-  initial begun = 1'b0;
-  always @(posedge clk_i) if (rst_i) begun <= 1'b1;
-  always_ff @(posedge clk_i) begin
-    if (begun && out_loaded_o && write != '0 && u_beats.advance_i && !rst_i) begin
-      assert (u_beats.address != u_beats.write_address)
-      else $fatal(1, "msn_taxel_table: word %0d is read and written in one clock", u_beats.address);
-    end
-  end
-  // verilator coverage_on
-`endif
+  // one written, except before the first swap, when nothing is loaded.
+  msn_check u_read_is_not_written (
+    .clk_i, .rst_i,
+    .wrong_i(!rst_i && out_loaded_o && write != '0 && u_beats.advance_i && u_beats.address == u_beats.write_address)
+  );
 
 endmodule

@@ -6,7 +6,7 @@
 //
 // So a frame keeps its own time while it waits, however many conversions are lost meanwhile, and time_o keeps the
 // previous frame's time until then. The converter must offer a frame's first sample before it converts the next.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/frontend/time_stamp.py
 
 module msn_time_stamp (

@@ -8,7 +8,7 @@
 // The answer repeats the command's tag. A frame that is not such a command, has a wrong checksum, pauses for
 // TimeoutClocks, has a line error, or arrives before the last command is answered changes nothing, is not answered
 // and is counted. The access follows the closing zero by 2 clocks, the answer follows bus_done_i by 1.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/link/bridge.py
 
 module msn_bridge #(

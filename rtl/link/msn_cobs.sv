@@ -9,7 +9,7 @@
 //
 // The first 00 leaves as soon as in_begin_i announces a packet; the packet's bytes may follow later.
 // A byte a clock, no latency: out_valid_o follows in_valid_i, which must stay high until taken.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/link/cobs.py
 
 module msn_cobs #(

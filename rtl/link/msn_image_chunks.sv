@@ -9,7 +9,7 @@
 // The next take_i may follow 2 clocks after that: in the first clock chunk_valid_o is still of an image that has ended.
 //
 // Latency: 3 clocks from step_i to the next taxel, 2 clocks from take_i to the first.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/link/image_chunks.py
 
 module msn_image_chunks #(

@@ -90,17 +90,11 @@ module msn_image_store #(
     end
   end
 
-`ifndef SYNTHESIS
   // Reading a taxel in the clock in which it is written is undefined: while an image is read, new taxels must go to
   // the other bank.
-  // verilator coverage_off
-  always_ff @(posedge clk_i) begin
-    if (read_valid_o && (read_begun_i || read_done_i) && in_valid_i && !dropping && !rst_i) begin
-      assert ((bank ^ move) == bank)
-      else $fatal(1, "msn_image_store: bank %0d is read and written in one clock", !bank);
-    end
-  end
-  // verilator coverage_on
-`endif
+  msn_check u_read_is_not_written (
+    .clk_i, .rst_i,
+    .wrong_i(!rst_i && read_valid_o && (read_begun_i || read_done_i) && in_valid_i && !dropping && move)
+  );
 
 endmodule

@@ -143,12 +143,13 @@ module msn_link #(
       .Statistics(Statistics ? 8 : 0), .StatisticBits(StatisticBits), .Taxels(Taxels), .Chunk(Chunk)
     ) u_packet (
       .clk_i, .rst_i,
-      .now_i(now_o), .time_i,
+      .now_i(now_o),
       .slip_valid_i(decision_valid_i && decision_i.raised), .slip_ready_o(slip_ready), .slip_i(decision_i),
-      .cop_valid_i, .cop_i, .health_valid_i, .health_ready_o, .health_i,
+      .slip_time_i(time_i), .cop_valid_i, .cop_i, .cop_time_i(time_i),
+      .health_valid_i, .health_ready_o, .health_i,
       .answer_valid_i(answer_valid), .answer_ready_o(answer_ready), .answer_data_i(answer),
       .statistics_i(statistics),
-      .image_valid_i, .image_data_i, .image_last_i,
+      .image_valid_i, .image_data_i, .image_last_i, .image_time_i(time_i),
       .out_begin_o(packet_begin), .out_valid_o(packet_valid), .out_ready_i(packet_ready),
       .out_data_o(packet_data), .out_last_o(packet_last),
       .packets_o(status_o.packets), .cop_dropped_o(status_o.cop_dropped),

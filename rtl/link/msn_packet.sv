@@ -12,7 +12,7 @@
 //
 // At most a byte every 4 clocks. If no packet is under way, an event's first byte follows it by 12 clocks;
 // out_begin_o, opening the frame, follows an event by 3, others by 4.   Model: model/meissner/twins/link/packet.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_packet #(
   parameter  int unsigned SlipDepth     = 64,    // events that can wait, a power of two; 0: no slip events
@@ -30,13 +30,13 @@ module msn_packet #(
 
   input  logic [47:0]            now_i,            // of health, statistics and answers
 
-  input  logic [47:0]            time_i,           // of the frame that events, CoP and images are from
-
   input  logic                   slip_valid_i,     // an event
   output logic                   slip_ready_o,
   input  msn_pkg::decision_t     slip_i,
+  input  logic [47:0]            slip_time_i,
   input  logic                   cop_valid_i,
   input  msn_pkg::cop_t          cop_i,
+  input  logic [47:0]            cop_time_i,
   input  logic                   health_valid_i,
   output logic                   health_ready_o,
   input  msn_pkg::health_t       health_i,
@@ -50,6 +50,7 @@ module msn_packet #(
   input  logic                   image_valid_i,
   input  logic [15:0]            image_data_i,
   input  logic                   image_last_i,
+  input  logic [47:0]            image_time_i,
 
   output logic                   out_begin_o,      // a packet follows or is under way
   output logic                   out_valid_o,
@@ -91,7 +92,7 @@ module msn_packet #(
     msn_fifo #(.Depth(SlipDepth), .Width(91)) u_queue (
       .clk_i, .rst_i,
       .in_valid_i(slip_valid_i), .in_ready_o(slip_ready_o),
-      .in_data_i({slip_i.state, slip_i.p2p, slip_i.id, time_i}),
+      .in_data_i({slip_i.state, slip_i.p2p, slip_i.id, slip_time_i}),
       .out_valid_o(slip_valid), .out_ready_i(slip_take), .out_data_o(event_data)
     );
     assign slip = {PayloadBits'(event_data[90:48]), event_data[47:0], 4'd6, 8'd1};
@@ -105,7 +106,7 @@ module msn_packet #(
     always_ff @(posedge clk_i) begin
       cop_valid <= cop_valid_i || (cop_valid && !cop_take);
       if (cop_valid_i) begin
-        cop <= {PayloadBits'({7'd0, cop_i.pressed, cop_i.load, cop_i.y, cop_i.x}), time_i, 4'd12, 8'd2};
+        cop <= {PayloadBits'({7'd0, cop_i.pressed, cop_i.load, cop_i.y, cop_i.x}), cop_time_i, 4'd12, 8'd2};
       end
       if (cop_valid_i && cop_valid && !cop_take) cop_dropped_o <= cop_dropped_o + 1'b1;
       if (rst_i) begin
@@ -169,7 +170,7 @@ module msn_packet #(
     msn_image_chunks #(.Taxels(Taxels), .Chunk(Chunk)) u_chunks (
       .clk_i, .rst_i,
       .in_valid_i(image_valid_i), .in_data_i(image_data_i), .in_last_i(image_last_i),
-      .in_time_i(time_i),
+      .in_time_i(image_time_i),
       .chunk_valid_o(image_valid), .chunk_time_o(image_time), .chunk_number_o(number),
       .chunk_first_o(first), .chunk_final_o(final_chunk), .take_i(image_take),
       .taxel_o(taxel), .end_o(image_end), .step_i(image_step),
@@ -183,7 +184,7 @@ module msn_packet #(
   end
 
   logic unused_inputs;
-  assign unused_inputs = ^{time_i, slip_i, cop_i, health_i};
+  assign unused_inputs = ^{slip_i, slip_time_i, cop_i, cop_time_i, health_i, image_time_i};
 
   // Choose.
   typedef enum logic [1:0] {

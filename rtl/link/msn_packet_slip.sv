@@ -12,7 +12,7 @@
 // the checksum is shifted out. out_begin_o rises with the event. The time is that of the last convert start
 // before the event was offered, in clocks since reset. Convert starts while an event waits are not recorded: an
 // event of a sample delayed by such a wait has the time of the last convert start before the wait.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/link/packet_slip.py
 
 module msn_packet_slip #(
@@ -143,15 +143,7 @@ module msn_packet_slip #(
     .clk_i, .clear_i(!sending), .step_i(fill), .in_data_i(checksum ? crc_low : present), .out_crc_o(crc)
   );
 
-`ifndef SYNTHESIS
   // Reading a word in the clock in which it is written is undefined.
-  // verilator coverage_off
-  always_ff @(posedge clk_i) begin
-    if (!rst_i) begin
-      assert (at != ahead) else $fatal(1, "msn_packet_slip: column %0d is read and written in one clock", at);
-    end
-  end
-  // verilator coverage_on
-`endif
+  msn_check u_read_is_not_written (.clk_i, .rst_i, .wrong_i(!rst_i && at == ahead));
 
 endmodule

@@ -10,7 +10,7 @@
 // has d = a = 0 and leaves masked.
 //
 // Latency Level clocks after the sample that completes a group; one sample per clock.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/slip/haar.py
 
 module msn_haar #(

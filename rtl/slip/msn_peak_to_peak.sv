@@ -12,7 +12,7 @@
 // Mask: masked details are left out of their windows; a window of only masked details has p2p 0; the others must be
 // above the lowest number, as msn_haar's are. `total` travels along. Latency: 2 clocks, 3 half-overlapped,
 // 1 + ceil(log4(Span)) sliding; one detail per clock.   Model: model/meissner/twins/slip/peak_to_peak.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_peak_to_peak #(
   parameter  int unsigned Channels   = 8,

@@ -6,7 +6,7 @@
 //
 // A chain of these, each with the span of all before it as Lag, is an exact sliding window: 2 x 4 x 4 = 32.
 // Values from before the last `restart` are ignored. Latency 1 clock, one value per clock.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/slip/sliding_extremes.py
 
 module msn_sliding_extremes #(

@@ -16,7 +16,7 @@
 //          compare  step the state; a delay line returns each channel's own state
 //
 // Latency 2 clocks, one detail per clock.   Model: model/meissner/twins/slip/slip.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_slip #(
   parameter  int unsigned Channels   = 8,

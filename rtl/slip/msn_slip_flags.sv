@@ -3,7 +3,7 @@
 // Flags over all channels, for pins and LEDs: any channel slips, slips grossly, is touched.
 //
 // A flag rises on the clock after a channel's decision, and falls after a complete frame without such a decision.
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/slip/slip_flags.py
 
 module msn_slip_flags (

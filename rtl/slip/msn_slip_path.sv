@@ -7,7 +7,7 @@
 // Whole frames come in, channels in order, `last` on the final one. Decision Level + 5 clocks after the sample that
 // completes a group with tumbling windows, Level + 7 with a sliding one of 64. Serial: one block in place of the four,
 // the same decisions 2*Steps + 2 clocks after (msn_slip_serial).
-// Error: none (docs/extremes.md).
+// Error: none.
 // Model: model/meissner/twins/slip/slip_path.py
 
 module msn_slip_path #(

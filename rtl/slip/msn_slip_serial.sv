@@ -9,7 +9,7 @@
 // A sample is taken (in_ready_o) 2*Steps + 1 clocks after it is first offered, with actuator_moving_i of that
 // clock; the decision follows one clock later. Steps: the power of two of digits that holds p2p with a digit to spare
 // and a timer's sign. Model: model/meissner/twins/slip/slip_serial.py
-// Error: none (docs/extremes.md).
+// Error: none.
 
 module msn_slip_serial #(
   parameter  int unsigned SampleBits = 17,
@@ -284,17 +284,9 @@ module msn_slip_serial #(
     end
   end
 
-`ifndef SYNTHESIS
-  // The memories do not define what they answer while the same word is written. Not checked before the first reset.
-  // verilator coverage_off
-  logic begun;
-  initial begun = 1'b0;
-  always @(posedge clk_i) begin
-    if (rst_i) begun <= 1'b1;
-    if (begun && !idle && !finish && !rst_i && at[StepBits-1:0] == next_digit)
-      $fatal(1, "msn_slip_serial: word %0d is read and written in one clock", next_digit);
-  end
-  // verilator coverage_on
-`endif
+  // The memories do not define what they answer while the same word is written.
+  msn_check u_read_is_not_written (
+    .clk_i, .rst_i, .wrong_i(!rst_i && !idle && !finish && at[StepBits-1:0] == next_digit)
+  );
 
 endmodule

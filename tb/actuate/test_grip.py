@@ -463,7 +463,7 @@ async def a_reset_in_a_grip_moves_nothing(dut):
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 @cocotb.parametrize(mode=[0, 1])
 async def an_upset_of_the_last_commands_mode_moves_nothing(dut, mode):
-    """Each of its bits in turn, in mid-period: the next command follows the last one and corrects the mode."""
+    """Each of its bits, in mid-period: the next command follows the last one and corrects the mode."""
     await begin(dut, **HAND | {"mode": mode, "override": mode, "override_value": 30})
     await cycles(dut, 2)
     drive(dut, override=0)

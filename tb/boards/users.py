@@ -39,8 +39,8 @@ part = "AD7606"
 volts = 5.0
 rate_hz = 5000.0
 [slip]
-threshold_v = 0.02
-gross_threshold_v = 0.12
+threshold_p2p_v = 0.02
+gross_threshold_p2p_v = 0.12
 contact_level_v = 4.5
 release_level_v = 4.8
 contact_rises = false

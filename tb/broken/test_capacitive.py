@@ -27,7 +27,6 @@ LEFT = {"left_after_release_g", "left_after_rest_g"}
 PRESSES = {"mean_g", "off_share", "off_share_second_order", "deviation_g", "of_the_mean"}
 PRESSES = {f"each {key}" for key in PRESSES}
 CYCLES = {"unloading_above_loading_g", "off_the_line_g", "low_at_full_g", "low_at_full_second_order_g"}
-SETTLED = {"low_settled_g", "settled_off_g", "settled_off_second_order_g"}
 
 
 def scene_of(kind, **world):

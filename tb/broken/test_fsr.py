@@ -30,7 +30,6 @@ POSITION = {"position_error", "position_error_of_working_cells"}
 LOAD = {"load_error", "load_error_of_working_cells"}
 DEAD = {"dead", "dead_found", "dead_falsely", "dead_as_injected"}
 EVEN = {"unevenness_before", "unevenness_after"}
-WAYS = [(circuit, unselected) for circuit in fsr.CIRCUITS for unselected in fsr.UNSELECTED]
 
 
 def small(load_ohm=5000.0, min_load_n=1.0, driver_ohm=5.0):

@@ -56,7 +56,7 @@ def test_as_it_is_all_is_held(sound):
 
 @pytest.mark.parametrize(
     "changes",
-    [{"dead_s": 1.0}, {"threshold_v": 0.5}, {"step_mm": 0.0}],
+    [{"dead_s": 1.0}, {"threshold_p2p_v": 1.0}, {"step_mm": 0.0}],
     ids=["sensor dead", "threshold too high", "step zero"],
 )
 def test_a_reflex_that_feels_or_does_nothing_drops_the_glass(changes, tmp_path):
@@ -153,7 +153,7 @@ def test_a_threshold_that_does_not_follow_vc_is_deaf_where_the_sensor_is_pressed
     unchanged."""
     rest_volts = rubber.rest_volts
     monkeypatch.setattr(rubber, "rest_volts", lambda force_n: rest_volts(6.0 * force_n))
-    deaf, follows = (row(run(few(threshold_v=volts), "fixed", tmp_path)) for volts in (0.01, None))
+    deaf, follows = (row(run(few(threshold_p2p_v=volts), "fixed", tmp_path)) for volts in (0.02, None))
     assert follows["grip_ratio_mean"] > deaf["grip_ratio_mean"] + 0.03
     assert follows["slip_mm_max"] == 0 and follows["tightenings"] > deaf["tightenings"] + 10
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import scenes
 from meissner.engines import Watched, fixed
@@ -159,7 +160,7 @@ def test_a_core_that_always_says_slip_is_false_and_misses(tmp_path, monkeypatch)
 
 def test_without_its_own_threshold_the_flag_falls_while_the_object_slides(tmp_path):
     scene = few("slip_materials")
-    slip = replace(scene.slip, keep_threshold_v=scene.slip.threshold_v)
+    slip = structs.replace(scene.slip, keep_threshold_p2p_v=scene.slip.threshold_p2p_v)
     found = run(replace(scene, slip=slip, conditions=scene.conditions[3:]), "fixed", tmp_path)
     assert found["contact_share_of_sliding"] > 0.4 and found["missed"] == 0
 

@@ -5,6 +5,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import engines, fit_rubber, run, scenes
 from meissner.engines import Watched
@@ -262,7 +263,7 @@ def test_fast_shear_raises_the_flag_and_slow_shear_does_not(sound):
 
 def test_a_threshold_too_high_for_the_shear_is_quiet(score):
     scene = few(SPEED)
-    slip = dataclasses.replace(scene.slip, threshold_v=0.2, gross_threshold_v=0.3)
+    slip = structs.replace(scene.slip, threshold_p2p_v=0.4, gross_threshold_p2p_v=0.6)
     found = score(dataclasses.replace(scene, slip=slip))
     assert found["false_alarms"] == found["false_alarm_rate"]["count"] == 0
 

@@ -14,12 +14,12 @@ FIELDS = ["x~", "y~", "load", "pressed"]
 
 
 def parameters(dut):
-    names = ("Rows", "Columns", "Lanes", "FractionBits", "BitsPerClock", "Pipelined")
+    names = ("Rows", "Columns", "Lanes", "FractionBits", "BitsPerClock")
     return [getattr(dut, name).value.to_unsigned() for name in names]
 
 
 def clocks_stated(dut):
-    _, _, lanes, fraction_bits, bits_per_clock, _ = parameters(dut)
+    _, _, lanes, fraction_bits, bits_per_clock = parameters(dut)
     return latency(lanes, fraction_bits, bits_per_clock)
 
 
@@ -49,7 +49,7 @@ async def counts_over_the_whole_width(dut):
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def matches_model_and_mirrors(dut, stall_rate):
     """Each frame flipped left-right and top-bottom: the same load, with x or y negated."""
-    rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
+    rows, columns, lanes, fraction_bits, _ = parameters(dut)
     await bench.start(dut, cfg_min_load_i=2)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)
     if rows * columns > 1000:
@@ -67,7 +67,7 @@ async def matches_model_and_mirrors(dut, stall_rate):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_load_counts_from_the_gate_on(dut):
     """The gate (minimum load) equal to a frame's own load, and one above it."""
-    rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
+    rows, columns, lanes, fraction_bits, _ = parameters(dut)
     await bench.start(dut)
     for frame in bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[1:]:
         load = int(frame.sum())
@@ -83,7 +83,7 @@ async def a_load_counts_from_the_gate_on(dut):
 @bench.applies(lambda dut: not small(dut))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def large_array_matches_model(dut):
-    rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
+    rows, columns, lanes, fraction_bits, _ = parameters(dut)
     rng = np.random.default_rng(bench.SEED)
     await bench.start(dut)
     corner = np.full((rows, columns), 65535)
@@ -103,13 +103,13 @@ async def large_array_matches_model(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_the_same_in_every_frame(dut):
     """Frames back to back, a beat every clock: no stall, and the same latency for every result. If frames are
-    shorter than the period of the sequential divider, the input stalls and nothing is lost."""
-    rows, columns, lanes, fraction_bits, bits_per_clock, pipelined = parameters(dut)
+    shorter than the period of the divider, the input stalls and nothing is lost."""
+    rows, columns, lanes, fraction_bits, bits_per_clock = parameters(dut)
     await bench.start(dut, cfg_min_load_i=1, out_ready_i=1)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-8:]
     beats = bench.force_beats(forces, lanes)
     length = len(beats) // len(forces)
-    keeps_up = pipelined or length >= steps(fraction_bits, bits_per_clock) + 1
+    keeps_up = length >= steps(fraction_bits, bits_per_clock) + 1
     ends, seen = [], []
     sent = clock = 0
     while len(seen) < len(forces):
@@ -136,7 +136,7 @@ async def clocks_are_the_same_in_every_frame(dut):
 async def survives_damage_and_resets(dut):
     """A frame without its end, a reset in the middle of the next, then complete frames: only these give
     results."""
-    rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
+    rows, columns, lanes, fraction_bits, _ = parameters(dut)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-3:]
     beats = bench.force_beats(forces, lanes)
     length = len(beats) // 3
@@ -160,20 +160,20 @@ EVIDENCE = {
 
 
 @pytest.mark.parametrize(
-    "rows, columns, lanes, fraction_bits, bits_per_clock, pipelined",
+    "rows, columns, lanes, fraction_bits, bits_per_clock",
     [
-        (64, 64, 1, 14, 2, 0),
-        (3, 3, 1, 14, 2, 0),  # nine beats: exactly as long as a division
-        pytest.param(2, 2, 2, 20, 1, 1, marks=pytest.mark.long),
-        (9, 1, 1, 4, 2, 0),
-        (1, 9, 4, 14, 2, 0),  # three beats, the last with one column
-        (1, 1, 1, 14, 2, 0),  # shorter than a division: the input stalls
-        (1024, 1024, 8, 14, 1, 0),
+        (64, 64, 1, 14, 2),
+        (3, 3, 1, 14, 2),  # nine beats: exactly as long as a division
+        pytest.param(2, 2, 2, 20, 1, marks=pytest.mark.long),
+        (9, 1, 1, 4, 2),
+        (1, 9, 4, 14, 2),  # three beats, the last with one column
+        (1, 1, 1, 14, 2),  # shorter than a division: the input stalls
+        (1024, 1024, 8, 14, 1),
     ],
 )
-def test_cop(rows, columns, lanes, fraction_bits, bits_per_clock, pipelined):
+def test_cop(rows, columns, lanes, fraction_bits, bits_per_clock):
     size = {"Rows": rows, "Columns": columns, "Lanes": lanes, "FractionBits": fraction_bits}
-    bench.run("cop", "cop", size | {"BitsPerClock": bits_per_clock, "Pipelined": pipelined})
+    bench.run("cop", "cop", size | {"BitsPerClock": bits_per_clock})
 
 
 def test_stated_latency():

@@ -1,6 +1,6 @@
 """msn_cop_divide against its model, and the model against Python's fractions: moments of real frames and at
 their limits, the least and greatest loads, loads around the gate and zero; one row, one column; 4, 14 and 20
-fraction bits; one and two bits a clock, sequential and pipelined; gaps and stalls; exact clocks."""
+fraction bits; one and two bits a clock; gaps and stalls; exact clocks."""
 
 from fractions import Fraction
 
@@ -17,7 +17,7 @@ FIELDS = ["x~", "y~", "load", "pressed"]
 
 
 def parameters(dut):
-    names = ("Rows", "Columns", "FractionBits", "BitsPerClock", "Pipelined")
+    names = ("Rows", "Columns", "FractionBits", "BitsPerClock")
     return [getattr(dut, name).value.to_unsigned() for name in names]
 
 
@@ -62,7 +62,7 @@ def beats_of(sums):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.5], min_load=[0, 1, 100])
 async def matches_model(dut, stall_rate, min_load):
-    rows, columns, fraction_bits, _, _ = parameters(dut)
+    rows, columns, fraction_bits, _ = parameters(dut)
     sums = cases(np.random.default_rng(bench.SEED), rows, columns, 40, fraction_bits)
     await bench.start(dut, cfg_min_load_i=min_load)
     pauses = bench.gaps_and_stalls(stall_rate)
@@ -72,7 +72,7 @@ async def matches_model(dut, stall_rate, min_load):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def gate_is_judged_when_the_sums_are_taken(dut):
-    rows, columns, fraction_bits, bits_per_clock, _ = parameters(dut)
+    rows, columns, fraction_bits, bits_per_clock = parameters(dut)
     await bench.start(dut, cfg_min_load_i=100, in_sum_i=100, in_mx_i=0, in_my_i=0, out_ready_i=1)
     dut.in_valid_i.value = 1
     await bench.clocks(dut, 1)
@@ -92,7 +92,7 @@ async def gate_is_judged_when_the_sums_are_taken(dut):
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def every_bit_of_the_gate_counts(dut):
     """A gate of 2^k differs from the load one below it in every bit that either has set."""
-    rows, columns, fraction_bits, _, _ = parameters(dut)
+    rows, columns, fraction_bits, _ = parameters(dut)
     await bench.start(dut, cfg_min_load_i=0)
     for k in range(1, len(dut.cfg_min_load_i)):
         dut.cfg_min_load_i.value = 1 << k
@@ -122,12 +122,11 @@ EVIDENCE = {}
 
 
 @pytest.mark.parametrize(
-    "rows, columns, fraction_bits, bits_per_clock, pipelined",
-    [(63, 64, 20, 2, 0), (1, 9, 4, 2, 1), (1024, 1, 14, 1, 0)],
+    "rows, columns, fraction_bits, bits_per_clock", [(63, 64, 20, 2), (1, 9, 4, 2), (1024, 1, 14, 1)]
 )
-def test_cop_divide(rows, columns, fraction_bits, bits_per_clock, pipelined):
+def test_cop_divide(rows, columns, fraction_bits, bits_per_clock):
     parameters = {"Rows": rows, "Columns": columns, "FractionBits": fraction_bits}
-    bench.run("cop", "cop_divide", parameters | {"BitsPerClock": bits_per_clock, "Pipelined": pipelined})
+    bench.run("cop", "cop_divide", parameters | {"BitsPerClock": bits_per_clock})
 
 
 def nearest(value):

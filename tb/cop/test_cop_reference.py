@@ -1,7 +1,8 @@
 """The centre of pressure from its geometry, in exact rationals: the mean place of the forces, from -1 to +1.
 
 Columns lie evenly from -1 at the left to +1 at the right, rows from +1 at the top to -1 at the bottom. For
-the complete twins, from forces (cop) and from codes (array_forces); the blocks inside have their own references.
+the complete twins, from forces (cop) and from codes (array_forces); the blocks inside have references of
+their own.
 """
 
 from fractions import Fraction

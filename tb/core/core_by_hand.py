@@ -141,7 +141,7 @@ async def every_bit_of_the_largest_array(dut):
     assert await host.read("health.dead", "health.railed", "health.blinking") == [0, 0, 3]
     # Every bit of the counters: up to all taxels, 2^20.
     sources = {
-        f"health.{kind}": getattr(dut.gen_array.u_sensor.u_array.u_condition.gen_health.u_health, f"{kind}_o")
+        f"health.{kind}": getattr(dut.gen_array.u_sensor.u_forces.gen_health.u_health, f"{kind}_count")
         for kind in ("dead", "railed", "blinking")
     }
     for turn in (0, 1, 0):

@@ -29,7 +29,7 @@ STATISTICS = {
 # docs/registers.md.
 ADDRESS = {
     **{"core.id": 0x000, "core.version": 0x004, "core.features": 0x008, "core.size": 0x00C},
-    **{"core.clk_khz": 0x010, "core.scratch": 0x014},
+    **{"core.clk_khz": 0x010, "core.scratch": 0x014, "core.hold": 0x020},
     **{"adc.enable": 0x100, "adc.period": 0x104, "adc.dropped": 0x108, "adc.overrun": 0x10C},
     **{"adc.timeout": 0x110, "adc.mistagged": 0x114, "adc.over_range": 0x118},
     **{"slip.threshold": 0x200, "slip.gross_threshold": 0x204, "slip.contact_level": 0x208},

@@ -298,7 +298,7 @@ async def a_calibration_is_loaded_while_it_runs(dut):
     rng = np.random.default_rng(bench.SEED)
     twin, size = array_twin(dut)
     samples = pressing(rng, 24, size)
-    table, row_column = twin.cop.calibrate.table, number(dut, "RowColumn")
+    table, row_column = twin.calibrate.table, number(dut, "RowColumn")
     words = -(-size.columns // size.lanes) * (1 if row_column else size.rows)
     write = {"word": 0x504, "offset": 0x508, "gain": 0x50C, "write": 0x510, "swap": 0x514}
     for frame in samples[:8]:

@@ -36,11 +36,11 @@ from parts.timing import changed
 
 PERIOD_NS = 250
 SLIP_V = {
-    **{"window": 16, "hop": 16, "threshold_v": 0.3, "gross_threshold_v": 1.0, "contact_level_v": 1.0},
+    **{"window": 16, "hop": 16, "threshold_p2p_v": 0.3, "gross_threshold_p2p_v": 1.0, "contact_level_v": 1.0},
     **{"release_level_v": 0.5, "contact_rises": True, "hold_ms": 1.0, "refractory_ms": 1.0, "blank_ms": 1.0},
 }
 SLIP_N = {
-    **{"window": 16, "hop": 16, "threshold_n": 0.3, "gross_threshold_n": 1.0, "contact_level_n": 0.8},
+    **{"window": 16, "hop": 16, "threshold_p2p_n": 0.3, "gross_threshold_p2p_n": 1.0, "contact_level_n": 0.8},
     **{"release_level_n": 0.4, "hold_ms": 1.0, "refractory_ms": 1.0, "blank_ms": 1.0},
 }
 ROWS, COLUMNS = 3, 7  # of the array; a conversion takes two columns
@@ -64,7 +64,7 @@ CASES = {
         "adc": {"part": "AD7606", "volts": 10.0, "rate_hz": 2000.0},
         "mesh": {"rows": 9, "columns": 9, "r_ohm": 47.0, "R0_ohm": 1e4, "V0_v": 5.0, "k_n_ohm": 1e4},
         "load": {"gain": 1.0, "lsb_n": 1e-3, "min_n": 0.05, "correction": "none"},
-        "cop_slip": {"lag_ms": 2.0, "drop": 0.3, "move": 0.0, "min_n": 0.2, "hold_ms": 1.0},
+        "cop_slip": {"lag_ms": 2.0, "drop": 0.3, "move": 0.0, "min_load_n": 0.2, "hold_ms": 1.0},
         "link": {"baud": 1_000_000, "statistics": False},
     },
     "smallest": {
@@ -81,16 +81,13 @@ EXTRA = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}
 # Short names and paths of the blocks inside.
 INSIDE = {
     "registers": "u_registers",
-    "link": "u_link.gen_link.u_link",
+    "link": "u_link",
     "chain": "u_slip",
     "flags": "u_slip.u_flags",
     "slip": "u_slip.gen_slip.u_slip_path",
     "moving": "u_slip.gen_slip.u_moving",
     "skid": "u_slip.gen_slip.gen_skid.u_skid",
-    "array": "gen_array.u_sensor.u_array",
-    "preset": "gen_array.u_sensor.u_preset",
-    "report": "gen_array.u_sensor.u_health_report",
-    "width_converter": "gen_array.u_sensor.u_width_converter",
+    "array": "gen_array.u_sensor",
     "owed": "gen_cop4.u_sensor.u_owed",
     "electrodes": "gen_cop4.u_sensor.u_electrodes",
     "cop4": "gen_cop4.u_sensor.u_cop4",
@@ -197,7 +194,7 @@ class Line:
 
     def __init__(self, dut, build):
         self.dut, self.edges = dut, []
-        self.clk_hz, self.baud = 1000 * build.clk_khz, build.link["baud"]
+        self.clk_hz, self.baud = 1000 * build.clk_khz, build.link.baud
         cocotb.start_soon(self._watch())
 
     async def _watch(self):
@@ -391,9 +388,9 @@ def watch_wires(dut, name, *strobes):
     for strobe in strobes:
         if ends.knows(strobe):
             cocotb.start_soon(watch(RisingEdge(ends.handle(strobe)), times=100, span=1))
-    if ends.knows("link.slip_ready_o"):
-        cocotb.start_soon(watch(RisingEdge(ends.handle("link.slip_valid_i")), times=20, span=30))
-        for ready in ("link.slip_ready_o", "slip.in_ready_o"):
+    if ends.knows("link.decision_ready_o"):
+        cocotb.start_soon(watch(RisingEdge(ends.handle("link.decision_valid_i")), times=20, span=30))
+        for ready in ("link.decision_ready_o", "slip.in_ready_o"):
             if ends.knows(ready):
                 cocotb.start_soon(watch(FallingEdge(ends.handle(ready)), times=10, span=30))
 
@@ -446,14 +443,14 @@ async def an_events_first_bit_comes_within_20_clocks_of_its_sample(dut):
     cocotb.start_soon(watch())
     await bench.clocks(dut, FRAMES[name] * build.period_clocks)
     falls = [round(time / PERIOD_NS) for time, level in line.edges if level == 0]
-    quiet = 30 * build.clk_khz * 1000 / build.link["baud"]
+    quiet = 30 * build.clk_khz * 1000 / build.link.baud
     first = [now for before, now in pairwise([-1000, *falls]) if now - before > quiet]
     waits = {now - max(at for at in offered if at < now) for now in first}
     dut._log.info(f"clocks from a sample to the line's first bit: {sorted(waits)}")
     assert len(first) > 3 and max(waits) == {"channels": 10, "smallest": 19}[name]  # the README's
 
 
-@bench.applies(lambda dut: case_of(dut)[1].link["registers"])
+@bench.applies(lambda dut: case_of(dut)[1].link.registers)
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def commands_are_answered_while_it_measures(dut):
     name, build = case_of(dut)
@@ -622,7 +619,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
 
     def expect(samples):
         forces, _ = twin.forces(samples)
-        given.extend(zip(forces, zip(*twin.cop.of_forces(forces))))
+        given.extend(zip(forces, zip(*twin.cops(forces))))
 
     expect(await stage([quiet], 18, **{"scan.period": 0}))
     assert await read(host, "tare.tared", "tare.refused") == [1, 0] == [twin.tare.tared, twin.tare.refused]
@@ -658,11 +655,11 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     rng = np.random.default_rng(bench.SEED)
     gains = rng.integers(1, 65536, TAXELS)
     for word, (offset, gain) in enumerate(zip(rng.integers(-900, 900, TAXELS), gains)):
-        twin.cop.calibrate.table.write(word, offset, gain)
+        twin.calibrate.table.write(word, offset, gain)
         entry = {"word": word, "offset": int(offset) & 0x1FFFF, "gain": int(gain), "write": 1}
         await write(host, {f"calibrate.{key}": value for key, value in entry.items()})
     await write(host, {"calibrate.word": 2, "calibrate.write": 0x100})  # a row's, which this build lacks
-    twin.cop.calibrate.swap()
+    twin.calibrate.swap()
     unseen = await stage([quiet + 900], 2, **settings)
     expect(unseen)
     assert await read(host, *faults, "tare.refused") == [0, 0, 0, 1]
@@ -722,16 +719,18 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
     sources = {
         "slip.damaged": path.u_frame_filter.damaged_o,
         "slip.blanked": path.u_slip.blanked_o,
-        "link.rejected": dut.u_link.gen_link.u_link.gen_registers.u_bridge.rejected_o,
+        "link.rejected": dut.u_link.gen_registers.u_bridge.rejected_o,
     }
     if name == "array":
-        array, packet = dut.gen_array.u_sensor.u_array, dut.u_link.gen_link.u_link.u_packet
-        scan = array.u_source.gen_adc.u_scan_adc.u_scan
+        array, packet = dut.gen_array.u_sensor, dut.u_link.gen_packets.u_packet
+        scan = array.gen_adc.u_scan_adc.u_scan
         sources |= {"scan.dropped": scan.u_buffer.dropped_o, "scan.overrun": scan.u_plan.overrun_o}
-        sources |= {"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost_o}
+        sources |= {"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost}
         kinds = ("tared", "refused", "swallowed")
-        sources |= {f"tare.{kind}": getattr(array.u_condition.gen_tare.u_tare, f"{kind}_o") for kind in kinds}
-        sources["cop.damaged"] = array.u_cop_array.u_cop.u_accumulate.damaged_o
+        sources |= {
+            f"tare.{kind}": getattr(array.u_forces.gen_tare.u_tare, f"{kind}_count") for kind in kinds
+        }
+        sources["cop.damaged"] = array.u_forces.u_cop.u_accumulate.damaged_o
         sources["link.cop_dropped"] = packet.cop_dropped_o
         sources["link.image_dropped"] = packet.gen_image.u_chunks.u_store.dropped_o
     else:
@@ -760,7 +759,7 @@ EVIDENCE = {
             "packets": 1,
             "writes": 25,
         },
-        "kept_inside": {"u_calibrate": "calibrate_taxels", "u_tare": "tare", "u_health": "health"},
+        "kept_inside": {"u_calibrate": "calibrate", "u_tare": "tare", "u_health": "health"},
         "keeps_settings": True,
         # Each write at 25 clocks of a frame (docs/registers.md).
         "writes": [
@@ -789,7 +788,7 @@ def test_core(name):
 
 @pytest.mark.parametrize("name", core_by_hand.BUILDS)
 def test_core_of_a_stream(name):
-    bench.run("core", "core", core_by_hand.BUILDS[name], module="core_by_hand", inside=["msn_health"])
+    bench.run("core", "core", core_by_hand.BUILDS[name], module="core_by_hand", inside=SEEN)
 
 
 def test_what_a_configuration_leaves_out_the_model_leaves_out():

@@ -12,9 +12,9 @@ from meissner.builds.yowasp import chparam, read_rtl, yosys
 # Blocks that serve only one feature.
 BLOCKS = {
     "Array": {
-        "msn_array",
+        "msn_sensor_array",
         "msn_scan",
-        "msn_calibrate_taxels",
+        "msn_calibrate",
         "msn_width_converter",
         "msn_calibration_preset",
         "msn_cop_divide",

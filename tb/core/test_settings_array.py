@@ -376,16 +376,16 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     """Every bit, by values put where they are counted."""
     core = await Core().begin(dut)
     await pins.says_what_it_is(core.host, "slip scan health tare calibrate cop link", ROWS, COLUMNS)
-    array, link = dut.gen_array.u_sensor.u_array, dut.u_link.gen_link.u_link.u_packet
-    scan, path = array.u_source.gen_adc.u_scan_adc.u_scan, dut.u_slip.gen_slip.u_slip_path.gen_parallel
-    health, tare = array.u_condition.gen_health.u_health, array.u_condition.gen_tare.u_tare
+    array, link = dut.gen_array.u_sensor, dut.u_link.gen_packets.u_packet
+    scan, path = array.gen_adc.u_scan_adc.u_scan, dut.u_slip.gen_slip.u_slip_path.gen_parallel
+    health, tare = array.u_forces.gen_health.u_health, array.u_forces.gen_tare.u_tare
     sources = {
         **{"scan.dropped": scan.u_buffer.dropped_o, "scan.overrun": scan.u_plan.overrun_o},
-        **{"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost_o},
+        **{"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost},
         **{"slip.damaged": path.u_frame_filter.damaged_o, "slip.blanked": path.u_slip.blanked_o},
-        **{f"health.{name}": getattr(health, f"{name}_o") for name in ("dead", "railed", "blinking")},
-        **{f"tare.{name}": getattr(tare, f"{name}_o") for name in ("tared", "refused", "swallowed")},
-        "cop.damaged": array.u_cop_array.u_cop.u_accumulate.damaged_o,
+        **{f"health.{name}": getattr(health, f"{name}_count") for name in ("dead", "railed", "blinking")},
+        **{f"tare.{name}": getattr(tare, f"{name}_count") for name in ("tared", "refused", "swallowed")},
+        "cop.damaged": array.u_forces.u_cop.u_accumulate.damaged_o,
         "link.cop_dropped": link.cop_dropped_o,
         "link.image_dropped": link.gen_image.u_chunks.u_store.dropped_o,
     }

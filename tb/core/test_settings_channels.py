@@ -189,6 +189,27 @@ async def each_setting_changes_its_own_events(dut):
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
+async def settings_that_are_held_take_effect_with_one_frame(dut):
+    """While core.hold is 1 the core keeps the settings of before, though frames pass; then it takes all."""
+    core = await Core().begin(dut)
+    codes, contacts = scene(), [Contact() for _ in range(CHANNELS)]
+    changes = {"threshold": 300, "gross_threshold": 704, "hold": 4}
+    seen = []
+    for hold, settings in ((1, SETTINGS), (0, SETTINGS | changes)):
+        await core.host.set({"core.hold": hold})
+        if hold:
+            await core.host.set({f"slip.{name}": value for name, value in changes.items()})
+            assert await core.host.read("slip.threshold", "slip.hold") == [300, 4]
+        await bench.clocks(dut, 200)
+        slips, _, flags = await core.convert(codes)
+        events, _, wanted = run(contacts, codes, settings)
+        assert [pins.slip_of(packet) for packet in slips] == [event for _, event in events]
+        assert flags == wanted
+        seen.append(wanted)
+    assert seen[0] != seen[1]
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
 async def what_goes_wrong_is_counted_where_it_belongs(dut):
     """5 samples at an end of the range, 2 answers of another channel, 3 corrupted commands, 9 ticks too
     early: no other counter changes."""
@@ -247,7 +268,7 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     sources = {f"adc.{name}": getattr(spi, f"{name}_o") for name in names}
     sources["slip.damaged"] = path.gen_parallel.u_frame_filter.damaged_o
     sources["slip.blanked"] = path.gen_parallel.u_slip.blanked_o
-    sources["link.rejected"] = dut.u_link.gen_link.u_link.gen_registers.u_bridge.rejected_o
+    sources["link.rejected"] = dut.u_link.gen_registers.u_bridge.rejected_o
     places = {"adc.dropped": 0, "adc.overrun": 1, "adc.timeout": 2, "slip.damaged": 3, "slip.blanked": 4}
     await pins.counters_are_their_own(core.host, sources, places | {"link.rejected": 7})
 

@@ -257,7 +257,7 @@ async def each_counter_has_its_own_register_and_statistic(dut):
         **{f"adc.{name}": getattr(spi, f"{name}_o") for name in ("dropped", "overrun", "timeout")},
         **{f"adc.{name}": getattr(spi, f"{name}_o") for name in ("mistagged", "over_range")},
         "cop_damaged": dut.gen_cop4.u_sensor.u_electrodes.damaged_o,
-        "link.cop_dropped": dut.u_link.gen_link.u_link.u_packet.cop_dropped_o,
+        "link.cop_dropped": dut.u_link.gen_packets.u_packet.cop_dropped_o,
     }
     await pins.counters_are_their_own(
         core.host,

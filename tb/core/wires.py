@@ -6,13 +6,19 @@ import bench
 import members
 
 # Modules below the core whose ports tests see, and one signal: bench.run makes them visible.
-SEEN = """acquire adc_spi array bridge calibration_preset cobs cop4 cop_accumulate cop_slip electrodes
-frame_filter frame_gate frame_owed health health_report image_store link packet packet_slip registers scan
-scan_buffer scan_plan sensor_channels skid slip slip_chain.offered slip_flags slip_path slip_serial sync tare
-time_stamp uart_tx width_converter"""
+SEEN = """acquire adc_spi bridge cobs cop4 cop_accumulate cop_slip electrodes frame_filter frame_gate
+frame_owed health.dead_count health.railed_count health.blinking_count image_store link packet packet_slip
+registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip slip_chain.offered slip_flags
+slip_path slip_serial sync tare.tared_count tare.refused_count tare.swallowed_count time_stamp uart_tx"""
 SEEN = tuple(f"msn_{name}" for name in SEEN.split())
 
-STRUCTS = {members.CFG: "registers.cfg_o", members.STATUS: "registers.status_i", "slip_cfg": "slip.cfg_i"}
+# The struct of each of these ends, and where it is.
+STRUCTS = {
+    **{"cfg": ("cfg", "registers.cfg_o"), "status": ("status", "registers.status_i")},
+    **{"given": ("cfg", "array.cfg_i"), "sensed": ("status", "array.status_o")},
+    **{"slip_cfg": ("slip_cfg", "slip.cfg_i"), "told": ("link_status", "link.status_o")},
+    **{"decision": ("decision", "link.decision_i"), "cop": ("cop", "link.cop_i")},
+}
 
 # The state that a decision of msn_cop_slip stands for.
 COP_STATE = lambda v: 2 if v("cop_slip.out_slip_o") else v("cop_slip.out_pressed_o")
@@ -20,45 +26,38 @@ COP_STATE = lambda v: 2 if v("cop_slip.out_slip_o") else v("cop_slip.out_pressed
 # By the block that needs the wires: from, to, and the names that replace {} in both. "~": sign-extended.
 WIRES = {
     "array": [
-        ("preset.out_{}_o", "array.cfg_{}_i", "write write_row word offset gain swap"),
-        ("cfg.calibrate_{}", "preset.in_{}_i", "swap gain"),
-        ("~cfg.calibrate_offset", "preset.in_offset_i"),
-        ("cfg.calibrate_word[4:0]", "preset.in_word_i"),
-        ("cfg.health_{}", "array.cfg_{}_i", "clear report"),
-        ("array.event_{}_o", "report.in_{}_i", "valid id dead railed blinking"),
-        ("report.in_ready_o", "array.event_ready_i"),
-        ("report.out_{}_o", "link.health_{}_i", "valid id faults"),
-        ("link.health_ready_o", "report.out_ready_i"),
-        ("array.tap_{}_o", "width_converter.in_{}_i", "valid last"),
-        ("array.tap_data_o", "width_converter.in_data_i[15:0]"),
-        ("array.tap_mask_o", "width_converter.in_data_i[16:16]"),
-        ("width_converter.in_ready_o", "array.tap_ready_i"),
-        ("width_converter.out_data_o[15:0]", "link.image_data_i"),
-        ("width_converter.out_last_o", "link.image_last_i"),
-        ("width_converter.out_valid_o", "skid.in_valid_i"),
-        ("width_converter.out_data_o[15:0]", "skid.in_data_i[23:7]"),
-        ("width_converter.out_id_o", "skid.in_data_i[6:2]"),
-        ("width_converter.out_last_o", "skid.in_data_i[1:1]"),
-        ("width_converter.out_data_o[16:16]", "skid.in_data_i[0:0]"),
-        ("skid.in_ready_o", "width_converter.out_ready_i"),
+        ("registers.cfg_o", "array.cfg_i"),
+        ("sensed.scan_{}", "status.scan_{}", "dropped overrun held lost"),
+        ("sensed.health_{}", "status.health_{}", "dead railed blinking"),
+        (
+            "sensed.tare_{}",
+            "status.tare_{}",
+            "tared refused swallowed state_pressed state_taring state_loading",
+        ),
+        ("sensed.calibrate_swapping", "status.calibrate_swapping"),
+        ("sensed.cop_damaged", "status.cop_damaged"),
+        ("array.health_{}_o", "link.health_{}_i", "valid"),
+        ("array.health_o", "link.health_i"),
+        ("link.health_ready_o", "array.health_ready_i"),
+        ("array.cop_valid_o", "link.cop_valid_i"),
+        ("array.cop_o", "link.cop_i"),
+        ("array.sample_data_o[15:0]", "link.image_data_i"),
+        ("array.sample_last_o", "link.image_last_i"),
+        ("array.sample_valid_o", "skid.in_valid_i"),
+        ("array.sample_data_o", "skid.in_data_i[23:7]"),
+        ("array.sample_id_o", "skid.in_data_i[6:2]"),
+        ("array.sample_last_o", "skid.in_data_i[1:1]"),
+        ("array.sample_mask_o", "skid.in_data_i[0:0]"),
+        ("skid.in_ready_o", "array.sample_ready_i"),
         ("skid.out_valid_o", "slip.in_valid_i"),
         ("skid.out_data_o[23:7]", "slip.in_data_i"),
         ("skid.out_data_o[6:2]", "slip.in_id_i"),
         ("skid.out_data_o[1:1]", "slip.in_last_i"),
         ("skid.out_data_o[0:0]", "slip.in_mask_i"),
         ("slip.in_ready_o", "skid.out_ready_i"),
-        ("~array.out_{}_o", "link.cop_{}_i", "x y"),
-        ("array.out_{}_o", "link.cop_{}_i", "valid load pressed"),
-        ("array.time_o", "link.{}_time_i", "slip cop image"),
+        ("array.time_o", "link.time_i"),
         ("now", "array.now_i"),
         ("array.commit_o", "registers.commit_i"),
-        ("array.{}_o", "status.scan_{}", "dropped overrun held lost"),
-        ("array.{}_o", "status.health_{}", "dead railed blinking"),
-        ("array.{}_o", "status.tare_{}", "tared refused swallowed"),
-        ("array.{}_o", "status.tare_state_{}", "pressed taring"),
-        ("array.cfg_loading_o", "status.tare_state_loading"),
-        ("array.cfg_swapping_o", "status.calibrate_swapping"),
-        ("array.damaged_o", "status.cop_damaged"),
         ("array.adc_{}_o", "adc_{}_o", "cs_n sclk mosi convst reset"),
         ("array.{}_o", "{}_o", "row group"),
     ],
@@ -73,7 +72,7 @@ WIRES = {
         ("gate.in_ready_o", "time.ready_i"),
         ("acquire.convert_o", "time.convert_i"),
         ("now", "time.now_i"),
-        ("time.time_o", "link.{}_time_i", "slip cop"),
+        ("time.time_o", "link.time_i"),
     ],
     "electrodes": [
         ("gate.out_valid_o", "electrodes.in_valid_i"),
@@ -83,9 +82,12 @@ WIRES = {
         ("cop4.in_ready_o", "electrodes.out_ready_i"),
         ("cop4.out_{}_o", "cop_slip.in_{}_i", "valid x y load pressed"),
         ("cop_slip.in_ready_o", "cop4.out_ready_i"),
-        ("~cop4.out_{}_o", "link.cop_{}_i", "x y"),
-        ("cop4.out_{}_o", "link.cop_{}_i", "load pressed"),
-        ("cop_slip.out_octant_o", "link.slip_p2p_i"),
+        ("~cop4.out_{}_o", "cop.{}", "x y"),
+        ("cop4.out_{}_o", "cop.{}", "load pressed"),
+        ("cop_slip.out_octant_o", "decision.p2p"),
+        ("cop_slip.out_valid_o", "link.decision_valid_i"),
+        ("cop_slip.out_raised_o", "decision.raised"),
+        ("link.decision_ready_o", "cop_slip.out_ready_i"),
         ("gate.commit_o", "registers.commit_i"),
         ("gate.out_first_o", "owed.first_i"),
         ("owed.busy_o", "gate.busy_i"),
@@ -102,12 +104,16 @@ WIRES = {
         ("acquire.out_{}_o", "slip.in_{}_i", "data id last"),
         ("gate.commit_o", "registers.commit_i"),
     ],
-    "events": [("slip.out_{}_o", "link.slip_{}_i", "id state p2p")],
+    "events": [
+        ("slip.out_{}_o", "decision.{}", "raised last id state p2p"),
+        ("slip.out_valid_o", "link.decision_valid_i"),
+        ("link.decision_ready_o", "slip.out_ready_i"),
+    ],
     "link": [
         ("link.bus_{}_o", "registers.bus_{}_i", "valid write address wdata strobe"),
         ("registers.bus_{}_o", "link.bus_{}_i", "done error rdata"),
-        ("link.{}_o", "status.link_{}", "packets cop_dropped image_dropped rejected"),
-        ("now", "link.now_i"),
+        ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected"),
+        ("link.now_o", "now"),
         ("bus_{}_i", "link.host_{}_i", "valid write address wdata strobe"),
         ("link.host_{}_o", "bus_{}_o", "done error rdata"),
         ("out_ready_i", "link.out_ready_i"),
@@ -136,26 +142,10 @@ WIRES = {
 # ``v`` of other ends.
 GLUE = {
     "array": {
-        "array.cfg_pending_i": lambda v: v("registers.pending_o"),
+        "array.pending_i": lambda v: v("registers.pending_o"),
         "array.busy_i": lambda v: v("skid.out_valid_o") or v("slip.busy_o"),
-        "array.cfg_tare_i": lambda v: (
-            v("cfg.tare_average") or (v("cfg.tare_at_start") and v("preset.done_o"))
-        ),
-        "array.cfg_force_i": lambda v: v("cfg.tare_force") or v("preset.done_o"),
-        "array.cfg_zero_write_i": lambda v: (
-            v("cfg.tare_write_written") and v("cfg.tare_write[0:0]") and v("cfg.tare_word") < 21
-        ),
-        "preset.in_write_i": lambda v: (
-            v("cfg.calibrate_write_written")
-            and not v("cfg.calibrate_write_row")
-            and v("cfg.calibrate_write_lanes[0:0]")
-            and v("cfg.calibrate_word") < 21
-        ),
-        "preset.in_write_row_i": lambda v: (
-            v("cfg.calibrate_write_written") and v("cfg.calibrate_write_row") and v("cfg.calibrate_word") < 3
-        ),
         "link.image_valid_i": lambda v: (
-            v("cfg.link_images") and v("width_converter.out_valid_o") and v("skid.in_ready_o")
+            v("cfg.link_images") and v("array.sample_valid_o") and v("skid.in_ready_o")
         ),
     },
     "gate": {"gate.pending_i": lambda v: v("gate.out_valid_o") or v("registers.pending_o")},
@@ -166,44 +156,31 @@ GLUE = {
             not (v("electrodes.out_valid_o") or v("cop4.out_valid_o") or v("cop_slip.out_valid_o"))
         ),
         "owed.drop_i": lambda v: 0,
-        "cop_slip.out_ready_i": lambda v: not v("cop_slip.out_raised_o") or v("link.slip_ready_o"),
-        "link.slip_valid_i": lambda v: v("cop_slip.out_valid_o") and v("cop_slip.out_raised_o"),
-        "link.slip_state_i": COP_STATE,
-        "link.slip_id_i": lambda v: 0xFFFF,
+        "decision.state": COP_STATE,
+        "decision.id": lambda v: 0xFFFF,
         "link.cop_valid_i": lambda v: v("cop4.out_valid_o") and v("cop_slip.in_ready_o"),
         "flags.in_valid_i": lambda v: v("cop_slip.out_valid_o") and not v("chain.offered"),
         "flags.in_state_i": COP_STATE,
         "flags.in_last_i": lambda v: 1,
     },
-    "events": {
-        "slip.out_ready_i": lambda v: not v("slip.out_raised_o") or v("link.slip_ready_o"),
-        "link.slip_valid_i": lambda v: v("slip.out_valid_o") and v("slip.out_raised_o"),
-    },
     "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("chain.offered")},
 }
 
-# A setting arrives at cfg_<its name>_i of its group's block, except these, which arrive elsewhere or through
-# glue; those of slip are in the struct of the slip path.
+# A setting arrives at cfg_<its name>_i of its group's block, or in a struct, except these, which arrive
+# elsewhere or through glue.
 OWN = {"adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
-OWN |= dict.fromkeys(("scan", "health", "tare", "cop"), "array")
-ELSEWHERE = {
-    **{"tare.word.value": "array.cfg_zero_word_i", "tare.zero.value": "array.cfg_zero_i"},
-    **{"health.use.user": "array.cfg_over_range_enable_i", "health.use.edges": "array.cfg_edges_i"},
-    **{"calibrate.preset.value": "preset.cfg_gain_i", "calibrate.word.value": "preset.in_word_i"},
-    **{"calibrate.gain.value": "preset.in_gain_i", "calibrate.offset.value": "preset.in_offset_i[16:0]"},
-    **{f"cop4.p{n}.value": f"cop4.cfg_p_i[{18 * n + 17}:{18 * n}]" for n in range(6)},
+ELSEWHERE = {f"cop4.p{n}.value": f"cop4.cfg_p_i[{18 * n + 17}:{18 * n}]" for n in range(6)}
+IN_STRUCTS = {"slip": "slip_cfg."} | {
+    name: f"given.{name}_" for name in ["scan", "health", "tare", "calibrate", "cop"]
 }
-OF_GLUE = (
-    *("core.scratch.value", "link.images.value", "tare.force.value", "tare.at_start.value"),
-    *("tare.write.value", "calibrate.write.lanes", "calibrate.write.row"),
-)
+OF_GLUE = ("core.scratch.value", "link.images.value")
 
 
 def port_of(group, register, field):
     """The port at which a setting arrives; None if glue changes it on the way."""
     name = f"{group}.{register}.{field}"
-    if group == "slip":
-        return f"slip_cfg.{members.member(register, field)}"
+    if group in IN_STRUCTS:
+        return f"{IN_STRUCTS[group]}{members.member(register, field)}"
     return None if name in OF_GLUE else ELSEWHERE.get(name, f"{OWN.get(group)}.cfg_{register}_i")
 
 
@@ -233,7 +210,7 @@ class Ends:
         """The signal of an end, without its bit range; for a setting or a status the entire struct."""
         if end not in self.handles:
             kind = end.partition(".")[0]
-            block, _, port = STRUCTS.get(kind, end).rpartition(".")
+            block, _, port = STRUCTS.get(kind, (kind, end))[1].rpartition(".")
             found = self.dut
             for name in [*(self.inside[block].split(".") if block else ()), port]:
                 found = getattr(found, name)
@@ -244,7 +221,9 @@ class Ends:
         """(lowest bit, bits) of an end in its signal."""
         name, _, bits = end.partition("[")
         kind, _, member = name.partition(".")
-        low, width = members.PLACES[kind][member] if kind in STRUCTS else (0, len(self.handle(name)))
+        low, width = (
+            members.PLACES[STRUCTS[kind][0]][member] if kind in STRUCTS else (0, len(self.handle(name)))
+        )
         if bits:
             high, lowest = map(int, bits[:-1].split(":"))
             low, width = low + lowest, high - lowest + 1

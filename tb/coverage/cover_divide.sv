@@ -1,10 +1,9 @@
 // Cover points of msn_divide: each digit (the signs of the trial remainders) of positive and negative dividends, each
-// rounding, quotients 0 and 1, a division refused or held in every state, and every pair of BitsPerClock, Pipelined and
-// an odd or even number of fraction bits.
+// rounding, quotients 0 and 1, a division refused or held in every state, and each pair of BitsPerClock and an
+// odd or even number of fraction bits.
 module cover_divide #(
   parameter int unsigned BitsPerClock = 1,
   parameter int unsigned FractionBits = 1,
-  parameter bit          Pipelined    = 1'b0,
   parameter int unsigned QuotientBits = 3
 ) (
   input logic                           clk_i,
@@ -17,7 +16,7 @@ module cover_divide #(
   input logic                           turn,
   input logic        [1:0]              digit,
   input logic                           negative,
-  input logic        [1:0]              last_step,
+  input logic        [1:0]              step,
   input logic signed [QuotientBits-1:0] out_quotient_o
 );
   localparam logic signed [QuotientBits-1:0] One = QuotientBits'(1) << FractionBits;
@@ -30,42 +29,34 @@ module cover_divide #(
 
   for (genvar a = 0; a <= 1; a++) begin : gen_pair
     for (genvar b = 0; b <= 1; b++) begin : gen_with
-      `BIN(rate_pipe, load && BitsPerClock == 1 + a && Pipelined == (b == 1))
       `BIN(rate_odd, load && BitsPerClock == 1 + a && FractionBits % 2 == b)
-      `BIN(pipe_odd, load && Pipelined == (a == 1) && FractionBits % 2 == b)
     end
   end
   for (genvar rate = 1; rate <= 2; rate++) begin : gen_rate
-    for (genvar pipe = 0; pipe <= 1; pipe++) begin : gen_pipe
-      logic here;
-      assign here = !rst_i && BitsPerClock == rate && Pipelined == (pipe == 1);
-      for (genvar below = 0; below <= 1; below++) begin : gen_below
-        for (genvar d = 0; d < 2 ** rate; d++) begin : gen_digit
-          // The first clock, where digit 3 is impossible because |num| is at most den; and any later one.
-          if (d < 3) begin : gen_first
-            `BIN(first, here && fresh && digit == 2'(d) && negative == (below == 1))
-          end
-          if (pipe == 0) begin : gen_turning
-            `BIN(later, here && turn && !fresh && digit == 2'(d) && negative == (below == 1))
-          end
-          `BIN(rounded, here && given && last_step == 2'(d) && (out_quotient_o < 0) == (below == 1))
+    logic here;
+    assign here = !rst_i && BitsPerClock == rate;
+    for (genvar below = 0; below <= 1; below++) begin : gen_below
+      for (genvar d = 0; d < 2 ** rate; d++) begin : gen_digit
+        // The first clock, where digit 3 is impossible because |num| is at most den; and any later one.
+        if (d < 3) begin : gen_first
+          `BIN(first, here && fresh && digit == 2'(d) && negative == (below == 1))
         end
-        `BIN(one, here && given && out_quotient_o == (below == 1 ? -One : One))
+        `BIN(later, here && turn && !fresh && digit == 2'(d) && negative == (below == 1))
+        `BIN(rounded, here && given && step == 2'(d) && (out_quotient_o < 0) == (below == 1))
       end
-      `BIN(nothing, here && given && out_quotient_o == 0)
-      `BIN(held, here && out_valid_o && !out_ready_i)
-      `BIN(chained, here && given && load)
-      `BIN(turned_away_by_a_held_result, here && again && in_valid_i && !in_ready_o && out_valid_o)
-      `BIN(reset_at_work, rst_i && fresh && BitsPerClock == rate && Pipelined == (pipe == 1))
-      if (pipe == 0) begin : gen_turning
-        `BIN(turned_away_at_work, here && in_valid_i && turn && !in_ready_o)
-      end
+      `BIN(one, here && given && out_quotient_o == (below == 1 ? -One : One))
     end
+    `BIN(nothing, here && given && out_quotient_o == 0)
+    `BIN(held, here && out_valid_o && !out_ready_i)
+    `BIN(chained, here && given && load)
+    `BIN(turned_away_by_a_held_result, here && again && in_valid_i && !in_ready_o && out_valid_o)
+    `BIN(reset_at_work, rst_i && fresh && BitsPerClock == rate)
+    `BIN(turned_away_at_work, here && in_valid_i && turn && !in_ready_o)
   end
 endmodule
 
 bind msn_divide cover_divide #(
-  .BitsPerClock(BitsPerClock), .FractionBits(FractionBits), .Pipelined(Pipelined), .QuotientBits(QuotientBits)
+  .BitsPerClock(BitsPerClock), .FractionBits(FractionBits), .QuotientBits(QuotientBits)
 ) u_cover (
-  .digit(2'(gen_unit[0].digit)), .negative(gen_unit[0].negative), .last_step(2'(last_step)), .*
+  .digit(2'(digit)), .step(2'(step)), .*
 );

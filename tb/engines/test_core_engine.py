@@ -53,7 +53,7 @@ def check(build, got, expected, frames):
         assert [q.payload for q in cops] == [payload for _, payload in expected.cop][: len(cops)]
         assert [q.time for q in cops] == [starts[frame] for frame, _ in expected.cop][: len(cops)]
         assert len(cops) >= len(due(expected.cop)) == frames - 2
-    if build.link["images"]:
+    if build.link.images:
         frame_of = {time: frame for frame, time in starts.items()}
         whole = [(time, taxels) for time, taxels in images(got) if len(taxels) == expected.images.shape[1]]
         assert whole
@@ -89,7 +89,7 @@ SLIPS = 2  # per taxel of the patch, one in each window except the first
 def sliding(build, rows, columns):
     """Codes [frames, rows, columns]: unpressed while the zeros settle; then a patch is pressed, and each of
     its taxels drops for one sample in every window, each at its own time."""
-    i, j = np.indices((build.sensor["rows"], build.sensor["columns"]))
+    i, j = np.indices(build.shape)
     window = build.slip.window
     codes = np.tile(30 + (3 * i + 5 * j) % 17, ((SLIPS + 1) * window + 4, 1, 1))
     for k, (row, column) in enumerate((row, column) for row in rows for column in columns):

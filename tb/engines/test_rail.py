@@ -13,6 +13,7 @@ from meissner.twins.link import bridge
 from meissner.twins.link.decoder import Decoder
 
 HEALTH, RAILED = 4, 2  # docs/link.md
+SLIP = ("threshold_p2p_n", "gross_threshold_p2p_n", "contact_level_n", "release_level_n")
 USE = 0x410  # health.use: bit 0, over-range samples count as railed; bit 1, edges
 # Full scale, bits, lowest code; volts of six taxels, and the taxels that are railed.
 PARTS = {
@@ -38,7 +39,7 @@ def build(part, volts):
             **{"sensor": {"kind": "array", "rows": 2, "columns": 3}},
             "array": {"health": True, "tare": False},
             "health": {"still": 0, "blink": 0, "rail": 1},
-            "slip": dict.fromkeys((f"{key}_n" for key in config.SLIP_CODES), 1.0) | {"window": 8},
+            "slip": dict.fromkeys(SLIP, 1.0) | {"window": 8},
             "link": {"baud": 1_000_000, "statistics": False},
         },
     )

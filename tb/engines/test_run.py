@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import engines, scenes
 from meissner.engines import Watched, fixed
@@ -198,7 +199,7 @@ def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch, undrawn):
     summary = run(scene, "fixed", tmp_path / "kept", 1)
     assert scene.conditions[0].name == "paper 2 N"
     assert summary["contact_share_of_sliding"] == summary["conditions"][0]["contact_share_of_sliding"] == 0
-    slip = dataclasses.replace(scene.slip, keep_threshold_v=scene.slip.threshold_v)
+    slip = structs.replace(scene.slip, keep_threshold_p2p_v=scene.slip.threshold_p2p_v)
     summary = run(dataclasses.replace(scene, slip=slip), "fixed", tmp_path / "lost", 1)
     assert summary["contact_share_of_sliding"] > 0.4
     assert f"{100 * summary['contact_share_of_sliding']:.2f} %" in "\n".join(slip_run.tell(summary))

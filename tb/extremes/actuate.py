@@ -1,7 +1,7 @@
 """Extremes of rtl/actuate: commands at their limits, sums of wishes beyond the word, pulses of all widths."""
 
-from meissner.twins.actuate import finger_health, grip, pwm
-from verify.extremes import row
+from extremes.rows import row
+from meissner.twins.actuate import grip
 
 TOP = 65535
 
@@ -27,12 +27,7 @@ def in_a_row(given, streak, windows):
     return sum(given["step"] * 2 ** min(streak + n, given["boost"]) for n in range(windows))
 
 
-@row(
-    "grip",
-    {"": "0"},
-    ends="wishes, speeds and counts stop at 65535; the command stays within its limits",
-    rtl=["tb/actuate/test_grip.py::test_grip"],
-)
+@row("grip", {"": "0"})
 def grip_(see):
     axes = {
         "step": [0, 1, TOP],
@@ -134,62 +129,3 @@ def silent(see):
     for _ in range(3):
         see.near(bool(twin.cycle().fault & grip.SILENT), True, "ever after")
         see.near(twin._quiet[0], TOP, "ever after")
-
-
-@row(
-    "pwm",
-    {"": "0 clocks"},
-    ends="a word beyond its bits is refused",
-    rtl=["tb/actuate/test_pwm.py::test_pwm"],
-)
-def pwm_(see):
-    for one in see.covering(
-        lambda bits, divide: (2**bits) * (divide + 1) < 3 * 10**6 * (1 + 3 * see.long),
-        bits=[2, 3, 8, 15, 16],
-        divide=[0, 1, 2, 255, 65535],
-    ):
-        bits, divide = one.values()
-        top = 2**bits - 1
-        for word in sorted({0, 1, top // 2, top - 1, top}):
-            levels = pwm.pwm([word], bits, divide)
-            see.near(len(levels), top * (divide + 1), (one, word))
-            see.near(sum(levels), word * (divide + 1), (one, word))
-            see.near(sum(levels[: word * (divide + 1)]), word * (divide + 1), (one, word))
-        for outside in (-1, top + 1):
-            see.refused(pwm.pwm, [outside], bits, divide)
-    for bad in ((1, 0), (17, 0), (16, -1), (16, 65536)):
-        see.refused(pwm.pwm, [0], *bad)
-
-
-@row(
-    "finger_health",
-    {"": "0"},
-    ends="a count of samples at the rail stops at 255; the count that is asked for lies in 0 .. 255",
-    rtl=["tb/actuate/test_finger_health.py::matches_the_loop"],
-)
-def finger_health_(see):
-    """One below, exactly at and one beyond each limit, at both ends of 17 bits; then for a million
-    samples."""
-    least, most = -(2**16), 2**16 - 1
-    for one in see.covering(
-        lambda low, high, **_: low < high,
-        low=[least, -1, 0, most - 1],
-        high=[least + 1, 1, 4095, most],
-        rail=[0, 1, 2, 254, 255],
-    ):
-        low, high, rail = one.values()
-        for code in sorted({least, low - 1, low, low + 1, high - 1, high, high + 1, most}):
-            if not least <= code <= most:
-                continue
-            for count in (1, 2, 253, 254, 255, 256, 257):
-                twin = finger_health.FingerHealth(1, low, high, rail)
-                got = twin.next([[code] * count])[0]
-                bad = rail > 0 and count >= rail and not low < code < high
-                see.same(bool(got), not bad, (one, code, count))
-    twin = finger_health.FingerHealth(1, 0, 4095, 255)
-    twin.next([[0] * 10**6])
-    see.near(int(twin.run[0]), 255, "a million samples at the rail")
-    see.same(bool(twin.next([[7]])[0]), False, "and one between: unhealthy before it")
-    see.same(bool(twin.next([[7]])[0]), True, "healthy after it")
-    for rail in (-1, 256):
-        see.refused(finger_health.FingerHealth, 1, rail=rail)

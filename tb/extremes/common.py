@@ -5,44 +5,20 @@ from fractions import Fraction
 import hypothesis.strategies as st
 import mpmath
 
+from extremes.rows import row
 from meissner.twins.common import (
     arithmetic,
     divide,
     exp2,
-    frame_filter,
-    frame_marker,
-    frame_owed,
     hypot,
     log2,
     ratio,
     round_sat,
 )
 from reference import exact
-from verify.extremes import row
 
 
-@row("compare", {"": "0"}, ends="refused beyond its width", rtl=["tb/common/test_compare.py::test_compare"])
-def compare_(see):
-    for width in (1, 2, 3, 17, 18, 31, 32, 33, 52, 53, 54, 62, 63):
-        low, high = exact.signed(width)
-        numbers = exact.ends(low, high)
-        a, b = zip(*[(x, y) for x in numbers for y in numbers])
-        got = arithmetic.compare(a, b, width)
-        for x, y, is_greater in zip(a, b, got):
-            see.near(bool(is_greater), x - y > 0, (width, x, y))
-        for outside in (low - 1, high + 1) if width < 63 else ():
-            see.refused(arithmetic.compare, outside, 0, width)
-            see.refused(arithmetic.compare, 0, outside, width)
-    see.refused(arithmetic.compare, 0, 0, 0)
-    see.elaborates("compare", [{"Width": width} for width in (1, 2, 18, 63, 64)])
-
-
-@row(
-    "constant_multiplier",
-    {"": "0"},
-    ends="as wide as the product: it cannot wrap",
-    rtl=["tb/common/test_constant_multiplier.py::test_constant_multiplier"],
-)
+@row("constant_multiplier", {"": "0"})
 def constant_multiplier_(see):
     constants = [0, 1, 2, 3, 63, 64, 65, 0x5555, 0xAAAA, 32767, 32768, 32769, 65534, 65535]
     for one in see.covering(Constant=constants, InBits=[1, 2, 16, 28, 36, 46, 47]):
@@ -55,12 +31,7 @@ def constant_multiplier_(see):
         see.refused(arithmetic.constant_multiplier, 1, constant)
 
 
-@row(
-    "multiply",
-    {"": "0"},
-    ends="as wide as the product: it cannot wrap",
-    rtl=["tb/common/test_multiply.py::test_multiply"],
-)
+@row("multiply", {"": "0"})
 def multiply_(see):
     for one in see.covering(AWidth=[2, 3, 17, 18], BWidth=[1, 2, 16, 17]):
         pairs = [
@@ -75,12 +46,7 @@ def multiply_(see):
         see.refused(arithmetic.multiply, 1, 1, *widths)
 
 
-@row(
-    "round_sat",
-    {"": "1/2 LSB"},
-    ends="held at both ends of the output",
-    rtl=["tb/common/test_round_sat.py::test_round_sat"],
-)
+@row("round_sat", {"": "1/2 LSB"})
 def round_sat_(see):
     """The bound applies to values that fit; others saturate exactly."""
 
@@ -135,12 +101,7 @@ def quotients(top):
     return sorted({(s * num, den) for num, den in pairs if 0 <= num <= den <= top for s in (-1, 1)})
 
 
-@row(
-    "divide",
-    {"": "1/2 LSB"},
-    ends="refused beyond +-1.0 and for a denominator of 0",
-    rtl=["tb/common/test_divide.py::test_divide"],
-)
+@row("divide", {"": "1/2 LSB"})
 def divide_(see):
     def check(pairs, fraction):
         got = divide.divide(*zip(*pairs), fraction).tolist()
@@ -151,9 +112,7 @@ def divide_(see):
 
     for one in see.covering(DenBits=[1, 2, 16, 34, 46, 53, 61, 62], FractionBits=[1, 2, 14, 20, 29, 30]):
         check(quotients(2 ** one["DenBits"] - 1), one["FractionBits"])
-    sizes = see.covering(
-        DenBits=[1, 2, 46, 62], FractionBits=[1, 2, 30], BitsPerClock=[1, 2], Pipelined=[0, 1]
-    )
+    sizes = see.covering(DenBits=[1, 2, 46, 62], FractionBits=[1, 2, 30], BitsPerClock=[1, 2])
     see.elaborates("divide", sizes)
     for num, den in ((1, 0), (0, 0), (2, 1), (-2, 1), (1, -1), (2**62 - 1, 2**62 - 2)):
         see.refused(divide.divide, num, den)
@@ -167,12 +126,7 @@ def divide_(see):
     )
 
 
-@row(
-    "ratio",
-    {"": "1/2 LSB"},
-    ends="held at +-1.0; a denominator of 0 or less is beyond",
-    rtl=["tb/common/test_ratio.py::test_ratio"],
-)
+@row("ratio", {"": "1/2 LSB"})
 def ratio_(see):
     def check(scale, cases, fraction):
         got = ratio.ratio(scale, *zip(*cases), fraction).tolist()
@@ -211,12 +165,7 @@ def ratio_(see):
     )
 
 
-@row(
-    "hypot",
-    {"the root": "1 LSB", "the estimate": "2.99 % and 1 LSB"},
-    ends="refused beyond 2^30 - 1",
-    rtl=["tb/common/test_hypot.py::test_hypot"],
-)
+@row("hypot", {"the root": "1 LSB", "the estimate": "2.99 % and 1 LSB"})
 def hypot_(see):
     """The root is the floor, so less than one LSB low; the estimate's error is that of docs/demod.md."""
 
@@ -259,12 +208,7 @@ def log2_bound(in_bits, table, fraction):
     return below, above
 
 
-@row(
-    "log2",
-    {"": "0.0000576 at the default size, exact at powers of two"},
-    ends="0 counts as 1",
-    rtl=["tb/common/test_log2.py::test_log2"],
-)
+@row("log2", {"": "0.0000576 at the default size, exact at powers of two"})
 def log2_(see):
     def check(numbers, in_bits, table, fraction):
         below, above = log2_bound(in_bits, table, fraction)
@@ -295,12 +239,7 @@ def log2_(see):
     )
 
 
-@row(
-    "exp2",
-    {"": "1/2 LSB and 0.0000166 of the result at the default size, exact at whole exponents"},
-    ends="held at the greatest number; below half an LSB 0",
-    rtl=["tb/common/test_exp2.py::test_exp2"],
-)
+@row("exp2", {"": "1/2 LSB and 0.0000166 of the result at the default size, exact at whole exponents"})
 def exp2_(see):
     def check(numbers, table, fraction, out, point):
         lsb = mpmath.mpf(2) ** -fraction
@@ -352,84 +291,3 @@ def exp2_(see):
         size=st.sampled_from(TABLES),
         out=st.sampled_from(outs),
     )
-
-
-@row(
-    "frame_filter",
-    {"": "0"},
-    ends="the count of damaged frames turns over by contract (docs/link.md)",
-    rtl=["tb/common/test_frame_filter.py::counts_over_the_whole_width"],
-)
-def frame_filter_(see):
-    """Places counted at 1 and 4096 channels, and with one sample of a frame lost."""
-    for channels in (1, 2, 4096):
-        for broken in (None, 0, channels // 2, channels - 1):
-            twin = frame_filter.FrameFilter(channels)
-            frames = 3
-            kept = []
-            for frame in range(frames):
-                for place in range(channels):
-                    if frame == 1 and place == broken:
-                        continue
-                    kept.append(twin.next(place, place == channels - 1)[0])
-            damaged = 0 if broken is None or (channels == 1) else 1
-            see.near(twin.damaged, damaged, (channels, broken))
-            wanted = [place for place in range(channels)]
-            see.near(
-                sum(kept[-channels:]),
-                len(wanted) if broken != channels - 1 or channels == 1 else 0,
-                (channels, broken),
-            )
-
-
-@row(
-    "frame_owed",
-    {"": "1 clock"},
-    ends="gives up after 2^QuietBits - 1 clocks in which nothing waits",
-    rtl=["tb/common/test_frame_owed.py::test_frame_owed"],
-)
-def frame_owed_(see):
-    """One result of a frame is missing, at each of its places."""
-    for results in (1, 2, 3):
-        for quiet_bits in (2, 3, 9, 16) if see.long or results == 1 else (2, 3, 9):
-            for lost in range(results):
-                twin = frame_owed.FrameOwed(results, quiet_bits)
-                done = [place != lost for place in range(results)]
-                twin.next(True, True, [False] * results, False, True)
-                clocks, limit = 0, 1 << quiet_bits
-                while twin.next(False, True, done, False, True) and clocks <= limit:
-                    clocks += 1
-                see.near(clocks, limit - 1, (results, quiet_bits, lost))
-    for bad in ((0, 9), (1, 1), (1, 17)):
-        see.refused(frame_owed.FrameOwed, *bad)
-
-
-@row(
-    "frame_marker",
-    {"": "0"},
-    ends="an index never leaves its frame: what is beyond does not fit",
-    rtl=["tb/common/test_frame_marker.py::test_frame_marker"],
-)
-def frame_marker_(see):
-    """Frames of one beat and of 1024 x 1024; a frame without its end, twice as long as it should be."""
-    for rows, beats in (
-        (1, 1),
-        (1, 2),
-        (2, 1),
-        (3, 5),
-        (1, 1024),
-        (1024, 1),
-        *([(1024, 1024)] if see.long else []),
-    ):
-        twin, length = frame_marker.FrameMarker(rows, beats), rows * beats
-        for _ in range(2 if length < 10**5 else 1):
-            for place in range(length):
-                got = twin.next(place, place == length - 1)
-                wanted = (place, True, (place + 1) % beats == 0, place == length - 1)
-                see.same(tuple(got), wanted, lambda: f"{rows} x {beats}, beat {place}")
-        see.near(twin.damaged, 0, (rows, beats))
-        passed = [twin.next(place % length, False) for place in range(min(2 * length, 5000))]
-        ids = [place.id for place in passed if place is not None]
-        see.same(max(ids) < length and len(ids) <= length, True, f"{rows} x {beats} without an end")
-    for bad in ((0, 1), (1, 0)):
-        see.refused(frame_marker.FrameMarker, *bad)

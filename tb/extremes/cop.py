@@ -5,11 +5,11 @@ from fractions import Fraction
 import hypothesis.strategies as st
 import numpy as np
 
+from extremes.rows import row
 from meissner.twins.cop import cop, cop4, cop_accumulate, cop_divide, cop_slip
 from meissner.twins.cop.cop4_correct import CorrectionRegisters, cop4_correct
 from meissner.twins.sensor.array_forces import ArrayForces
 from reference import exact
-from verify.extremes import row
 
 TOP = 65535
 SIDES = [1, 2, 3, 63, 64, 65, 1023, 1024]
@@ -63,12 +63,7 @@ KINDS = (
 )
 
 
-@row(
-    "cop_accumulate",
-    {"": "0"},
-    ends="as wide as 1024 x 1024 taxels of 65535 need: it cannot wrap",
-    rtl=["tb/cop/test_cop_accumulate.py::large_array_matches_model"],
-)
+@row("cop_accumulate", {"": "0"})
 def cop_accumulate_(see):
     def few(m, n):
         return see.long or m * n < 70_000 or (m, n) == (1024, 1024)
@@ -129,12 +124,7 @@ def centre(see, got, sums, m, n, fraction, least, where):
         see.near(value, exact.away(wanted), where, "x, y", limit=0)
 
 
-@row(
-    "cop_divide",
-    {"x, y": "1/2 LSB"},
-    ends="S = 0 gives 0 and not pressed",
-    rtl=["tb/cop/test_cop_divide.py::test_cop_divide"],
-)
+@row("cop_divide", {"x, y": "1/2 LSB"})
 def cop_divide_(see):
     for one in see.some(see.covering(m=SIDES, n=SIDES, fraction=[4, 5, 14, 19, 20]), 4):
         m, n, fraction = one.values()
@@ -155,14 +145,12 @@ def cop_divide_(see):
             for each, sums in zip(got, cases):
                 centre(see, each, sums, m, n, fraction, least, lambda: f"{m} x {n}, {fraction} bits, {sums}")
     sides = {"Rows": [1, 2, 1024], "Columns": [1, 2, 1024]}
-    see.elaborates(
-        "cop_divide", see.covering(**sides, FractionBits=[4, 20], BitsPerClock=[1, 2], Pipelined=[0, 1])
-    )
+    see.elaborates("cop_divide", see.covering(**sides, FractionBits=[4, 20], BitsPerClock=[1, 2]))
     for fraction in (3, 21):
         see.refused(cop_divide.cop_divide, 1, 0, 0, 2, 2, fraction)
 
 
-@row("cop", {"x, y": "1/2 LSB"}, ends="S = 0 gives 0 and not pressed", rtl=["tb/cop/test_cop.py::test_cop"])
+@row("cop", {"x, y": "1/2 LSB"})
 def cop_(see):
     sizes = [(1, 1), (1, 7), (7, 1), (2, 2), (3, 3), (16, 15)] + (
         [(64, 64), (1024, 1), (1, 1024)] if see.long else []
@@ -180,12 +168,7 @@ def registers(gain, shift_gain, offsets, raws):
     return gain, shift_gain, offsets, raws
 
 
-@row(
-    "array_forces",
-    {"x, y": "1/2 LSB"},
-    ends="forces held at 0 and 65535 before the sums",
-    rtl=["tb/sensor/test_array_forces.py::test_array_forces"],
-)
+@row("array_forces", {"x, y": "1/2 LSB"})
 def array_forces_(see):
     """A pad with gains and samples at their ends, taxel by taxel, then its centre."""
     low, high = exact.signed(17)
@@ -272,12 +255,7 @@ def cop4_case(see, got, codes, r, where, correction=None):
         see.near(value, exact.away(wanted), where, "x, y", limit=0)
 
 
-@row(
-    "cop4",
-    {"x, y": "1/2 LSB", "load": "1/2 LSB"},
-    ends="x, y held at +-1.0, the load at 65535 with `over`; no current gives 0",
-    rtl=["tb/cop/test_cop4.py::test_cop4"],
-)
+@row("cop4", {"x, y": "1/2 LSB", "load": "1/2 LSB"})
 def cop4_(see):
     """Exact for the given registers; the error from rounding a sensor's constants to registers is in
     docs/cop4.md.
@@ -371,12 +349,7 @@ def ratios(see, check):
         check(bits, r, rows)
 
 
-@row(
-    "cop4_correct",
-    {"": "0", "the polynomial": "5 N"},
-    ends="refused beyond the sum of 2^17 - 3",
-    rtl=["tb/cop/test_cop4_correct.py::test_cop4_correct"],
-)
+@row("cop4_correct", {"": "0", "the polynomial": "5 N"})
 def cop4_correct_(see):
     """Equal to the exact value with the block's own floors; p differs from the polynomial without floors by
     at most 5 of its LSBs.
@@ -419,12 +392,7 @@ def cop4_correct_(see):
     see.refused(cop4_correct, 16385, 0, 1, 1, CorrectionRegisters((0,) * 6, 8))
 
 
-@row(
-    "cop_slip",
-    {"": "0"},
-    ends="timers stop at 0; the octant's limits are 53/128 exactly",
-    rtl=["tb/cop/test_cop_slip.py::test_cop_slip"],
-)
+@row("cop_slip", {"": "0"})
 def cop_slip_(see):
     """The header's rule, applied sample by sample to the list of all samples."""
     ends_of = {

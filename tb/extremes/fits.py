@@ -5,18 +5,13 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 
+from extremes.rows import row
 from meissner import calibration, interval, second_order
 from meissner.physics.adc import Adc
 from reference import exact
-from verify.extremes import row
 
 
-@row(
-    "second order",
-    {"": "1e-9 of the largest"},
-    ends="fewer than three forces: 0, never below 0",
-    files=["model/meissner/second_order.py"],
-)
+@row("second order", {"": "1e-9 of the largest"})
 def second_order_(see):
     for one in see.covering(
         top=[3, 100, 65535], a=[0.0, 1e-6, 5.0], b=[1e-6, 1.0, 1e3], c=[-1e-9, 0.0, 1e-6]
@@ -43,12 +38,7 @@ def second_order_(see):
     )
 
 
-@row(
-    "calibration",
-    {"": "1/2 LSB"},
-    ends="a gain or offset without room, too few presses: a sentence",
-    files=["model/meissner/calibration.py"],
-)
+@row("calibration", {"": "1/2 LSB"})
 def calibration_(see):
     """Lines at the ends of the codes: offset and gain are the integers nearest to the exact line."""
     for one in see.covering(slope=[1, 10, 1000, 20000], rest=[-65536, -1, 0, 1, 32768], shift=[8, 12, 16]):
@@ -84,12 +74,7 @@ def calibration_(see):
     see.refused(calibration.fit, flat.astype(int), flat)
 
 
-@row(
-    "interval",
-    {"": "1e-9 of the tail"},
-    ends="0 of any and all of any count end at 0 and at 1",
-    files=["model/meissner/interval.py"],
-)
+@row("interval", {"": "1e-9 of the tail"})
 def interval_(see):
     """The condition of Clopper and Pearson, with 50 digits: at the low end this count or more is 2.5 %
     likely.
@@ -119,12 +104,7 @@ def interval_(see):
         see.refused(interval.exact, *bad)
 
 
-@row(
-    "converter",
-    {"": "1/2 LSB"},
-    ends="held at both ends, with the over-range flag",
-    files=["model/meissner/physics/adc.py"],
-)
+@row("converter", {"": "1/2 LSB"})
 def converter_(see):
     for bits in (1, 8, 12, 16, 24):
         for low, high in ((0.0, 5.0), (-5.0, 5.0), (-10.0, 10.0), (0.0, 1e-6), (-1e6, 1e6)):

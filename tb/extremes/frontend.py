@@ -7,53 +7,22 @@ from math import ceil
 import hypothesis.strategies as st
 import numpy as np
 
+from extremes.rows import row
 from meissner.twins.frontend import (
-    acquire,
     adc_single,
     adc_spi,
-    adc_store,
     am_demod,
-    burst,
     calibrate,
-    calibration_preset,
     health,
-    health_report,
     health_taxel,
     scan_plan,
     tare,
-    time_stamp,
 )
 from reference import exact
 from reference.health import HealthReference
 from reference.tare import TareReference
-from verify.extremes import row
 
 TOP = 65535
-
-
-@row(
-    "adc_store",
-    {"": "0"},
-    ends="a code at either end of the part's range is over-range",
-    rtl=["tb/frontend/test_adc_store.py::test_adc_store"],
-)
-def adc_store_(see):
-    for bits in (8, 10, 12, 16):
-        codes = exact.ends(0, 2**bits - 1)
-        for signed in (False, True):
-            room = bits + (not signed)
-            values, over = adc_store.samples(codes, bits, room, signed)
-            for code, value, out in zip(codes, values.tolist(), over.tolist()):
-                wanted = code - 2**bits * (signed and code >= 2 ** (bits - 1))
-                see.near(value, wanted, (bits, signed, code))
-                see.same(
-                    out,
-                    code in ((2 ** (bits - 1), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)),
-                    (bits, signed, code),
-                )
-            see.refused(adc_store.samples, [0], bits, room - 1, signed)
-            for outside in (-1, 2**bits):
-                see.refused(adc_store.samples, [outside], bits, room, signed)
 
 
 def parts(see):
@@ -73,12 +42,7 @@ def fits(part, half, clk, sclk):
     return Fraction(clk, 2 * half) <= sclk and (2 * half - 1) * 10**6 >= (part.access_ns + 7) * clk
 
 
-@row(
-    "adc_spi",
-    {"": "0 clocks"},
-    ends="refused where the sample would droop",
-    rtl=["tb/frontend/test_adc_spi.py::test_adc_spi"],
-)
+@row("adc_spi", {"": "0 clocks"})
 def adc_spi_(see):
     for part, one in parts(see):
         rough = ceil(Fraction(one["clk"], 2 * one["sclk"]))
@@ -103,12 +67,7 @@ def adc_spi_(see):
         see.refused(adc_spi.AdcSpi, **bad)
 
 
-@row(
-    "adc_single",
-    {"": "0 clocks"},
-    ends="refused below its least period",
-    rtl=["tb/frontend/test_adc_single.py::test_adc_single"],
-)
+@row("adc_single", {"": "0 clocks"})
 def adc_single_(see):
     part = adc_spi.MCP3208
     for clk in (100, 1_000, 12_000, 100_000, 400_000):
@@ -133,70 +92,7 @@ def adc_single_(see):
         see.refused(adc_single.AdcSingle, channel)
 
 
-@row("acquire", {"": "0"}, ends="as the converter's block", rtl=["tb/frontend/test_acquire.py::test_acquire"])
-def acquire_(see):
-    for part in (None, *adc_spi.PARTS.values()):
-        bits = 17 if part is None else part.data_bits
-        codes = exact.ends(*exact.signed(17)) if part is None else exact.ends(0, 2**bits - 1)
-        values, over = acquire.Acquire(part, channels=2).samples(codes)
-        signed = part is not None and part.signed
-        wanted = [code - 2**bits * (signed and code >= 2 ** (bits - 1)) for code in codes]
-        see.all_near(values.tolist(), wanted, [(part and part.name, code) for code in codes])
-        ends = () if part is None else (2 ** (bits - 1), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)
-        see.same(over.tolist(), [code in ends for code in codes], part and part.name)
-    see.refused(acquire.Acquire, adc_spi.AD7606, adc_period=1200)
-
-
-@row(
-    "time_stamp",
-    {"": "0 clocks"},
-    ends="the 48 bits of a time turn over by contract (docs/link.md)",
-    rtl=["tb/frontend/test_time_stamp.py::test_time_stamp"],
-)
-def time_stamp_(see):
-    """A convert start in each clock, in the clock of the first sample, in none; a very long frame."""
-    see.same(
-        time_stamp.time_stamps([(1, 0, 1, 0), (1, 1, 1, 1), (0, 1, 1, 1)]), [0, 1], "in the first's clock"
-    )
-    see.same(time_stamp.time_stamps([(0, 1, 1, 1)]), [None], "none")
-    many = [(1, 1, 1, k == 9999) for k in range(10_000)]
-    see.same(time_stamp.time_stamps([(1, 0, 0, 0), *many, (0, 1, 0, 0)]), [0, 10_000], "a long frame")
-    for gap in (1, 2, 1000):
-        clocks = []
-        for _ in range(5):
-            clocks += [(1, 0, 0, 0)] + [(0, 0, 0, 0)] * gap + [(0, 1, 1, 1)]
-        wanted = [k * (gap + 2) for k in range(5)]
-        see.all_near(time_stamp.time_stamps(clocks), wanted, [gap] * 5)
-
-
-@row(
-    "burst",
-    {"": "0 clocks"},
-    ends="a start begins the burst again",
-    rtl=["tb/frontend/test_burst.py::test_burst"],
-)
-def burst_(see):
-    for one in see.covering(count=[1, 2, 255, 4096], period=[1, 2, 2**24 - 1, 2**24]):
-        count, period = one.values()
-        end = 10 + count * period
-        got = burst.triggers([3], count, period, end)
-        see.same(len(got), count, one)
-        see.all_near((got[0], got[-1]), (4, 4 + (count - 1) * period), [one] * 2)
-        again = burst.triggers([3, 5], count, period, end + 10)
-        wanted = [k for k in range(4, 6, period) if (k - 4) // period < count and k <= 5]
-        see.same(again[: len(wanted)], wanted, one)
-        see.same(again[-1], 6 + (count - 1) * period, one)
-    see.near(burst.samples(2**8 - 1, 2**6, 16), 255 + 1024, "the longest of am_demod")
-    for bad in ((0, 1), (1, 0)):
-        see.refused(burst.triggers, [0], *bad, 10)
-
-
-@row(
-    "am_demod",
-    {"": "1/2 LSB"},
-    ends="held at the greatest sample, with over-range set",
-    rtl=["tb/frontend/test_am_demod.py::test_am_demod"],
-)
+@row("am_demod", {"": "1/2 LSB"})
 def am_demod_(see):
     """Form 2 is the estimate, rounded once; the estimate's error from the root is covered by hypot."""
 
@@ -262,12 +158,7 @@ def am_demod_(see):
     )
 
 
-@row(
-    "scan_plan",
-    {"": "0 clocks"},
-    ends="ticks that find no room are counted as overruns",
-    rtl=["tb/frontend/test_scan_plan.py::test_scan_plan"],
-)
+@row("scan_plan", {"": "0 clocks"})
 def scan_plan_(see):
     def fits(rows, columns, lanes, channels, settle):
         beats = ceil(Fraction(columns, lanes))
@@ -311,12 +202,7 @@ def scan_plan_(see):
         see.refused(scan_plan.ScanPlan, **bad)
 
 
-@row(
-    "health_taxel",
-    {"": "0"},
-    ends="counters stop at 0 and 255",
-    rtl=["tb/frontend/test_health_taxel.py::test_health_taxel"],
-)
+@row("health_taxel", {"": "0"})
 def health_taxel_(see):
     """Each counter one below, at and beyond its ends, after 1e9 frames as after 255: it never wraps
     around."""
@@ -351,12 +237,7 @@ def health_taxel_(see):
             see.refused(health.Limits, **{name: bad})
 
 
-@row(
-    "health",
-    {"": "0"},
-    ends="counters of a taxel stop at 255, those of events turn over by contract",
-    rtl=["tb/frontend/test_health.py::test_health"],
-)
+@row("health", {"": "0"})
 def health_(see):
     """Codes at both ends of 18 bits beside still, ramping and blinking taxels, for more frames than 255 x
     16."""
@@ -406,32 +287,7 @@ def long_rail(see):
         see.same(again.tolist(), value.tolist(), f"a state of 1e9 frames: {name}")
 
 
-@row(
-    "health_report",
-    {"": "0"},
-    ends="a taxel's number is that of the last of 1024 x 1024",
-    rtl=["tb/frontend/test_health_report.py::test_health_report"],
-)
-def health_report_(see):
-    for lanes in (1, 2, 4, 8):
-        last, every = 1024 * 1024 // lanes - 1, (1 << lanes) - 1
-        for beat in (0, 1, last):
-            for bits in ((every, every, every), (1 << lanes - 1, 0, 0), (0, 0, 1), (0, 0, 0)):
-                got = health_report.reports([(beat, *bits)], lanes)
-                wanted = [
-                    (beat * lanes + k, sum(v << at for at, v in enumerate(b >> k & 1 for b in bits)))
-                    for k in range(lanes)
-                ]
-                see.same(got, [pair for pair in wanted if pair[1]], (lanes, beat, bits))
-    see.same(health_report.reports([(131071, 0, 0, 128)], 8), [(1024 * 1024 - 1, 4)], "the last taxel")
-
-
-@row(
-    "tare",
-    {"": "0"},
-    ends="a zero stays within its bits: the loop stops where nothing is left",
-    rtl=["tb/frontend/test_tare.py::test_tare"],
-)
+@row("tare", {"": "0"})
 def tare_(see):
     """Compared with exact rationals: steps from the least to the greatest, samples at both ends, tared while
     pressed."""
@@ -527,32 +383,7 @@ def drift(see):
             see.near(int(twin._zero[0, 0]), loop.zeros[0] * 2**fraction, (raw, frames))
 
 
-@row(
-    "calibration_preset",
-    {"": "0"},
-    ends="the last word is that of 1024 x 1024",
-    rtl=["tb/frontend/test_calibration_preset.py::test_calibration_preset"],
-)
-def calibration_preset_(see):
-    for one in see.covering(rows=[1, 1024], columns=[1, 7, 1024], lanes=[1, 8], gain=[0, 65535]):
-        rows, columns, lanes, gain = one.values()
-        beats = ceil(Fraction(columns, lanes))
-        see.same(
-            calibration_preset.preset(rows, columns, lanes, gain)[-1], (False, rows * beats - 1, 0, gain), one
-        )
-        both = calibration_preset.preset(rows, columns, lanes, gain, True)
-        see.same((len(both), both[-1]), (beats + rows, (True, rows - 1, 0, 4096)), one)
-        # A row's 4096 times a column's gain over 2^24 equals the other table's gain over 2^12.
-        see.near(Fraction(4096 * gain, 2**24), Fraction(gain, 2**12), one)
-    see.refused(calibration_preset.preset, 1, 1, 3, 0)
-
-
-@row(
-    "grid_table",
-    {"": "0"},
-    ends="an offset beyond its bits is refused",
-    rtl=["tb/frontend/test_grid_table.py::test_grid_table"],
-)
+@row("grid_table", {"": "0"})
 def grid_table_(see):
     for bits in (2, 13, 17, 18):
         low, high = exact.signed(bits - 1)
@@ -617,12 +448,7 @@ def forces_(see, row_column):
     )
 
 
-@row(
-    "calibrate",
-    {"": "1/2 LSB"},
-    ends="held at 0 and 65535",
-    rtl=["tb/frontend/test_calibrate.py::test_calibrate"],
-)
+@row("calibrate", {"": "1/2 LSB"})
 def calibrate_(see):
     for row_column, gain_bits in ((0, 16), (1, 32)):
         forces_(see, bool(row_column))

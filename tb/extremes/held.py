@@ -6,8 +6,8 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 
+from extremes.rows import row
 from meissner.physics import grip, hand, plate, slide, stepped
-from verify.extremes import row
 
 G = Fraction("9.81")
 
@@ -17,12 +17,7 @@ def relative(see, got, wanted, where, part=""):
     see.near(float(got) / wanted if wanted else 1 + float(got), 1, where, part)
 
 
-@row(
-    "plate",
-    {"": "1e-12 of the value"},
-    ends="from 0.001 N on: below, a slide has more sticks than a recording samples",
-    files=["model/meissner/physics/plate.py"],
-)
+@row("plate", {"": "1e-12 of the value"})
 def plate_(see):
     stiffness = Fraction("0.7") * 2 / 30
     for one in see.covering(
@@ -54,12 +49,7 @@ def plate_(see):
     see.same((still[0], still[-1], int(moving.sum())), (0.0, 0.0, 200), "pressed and let go")
 
 
-@row(
-    "gripped object",
-    {"": "1e-12"},
-    ends="0 N conducts nothing: its share is 1",
-    files=["model/meissner/physics/grip.py"],
-)
+@row("gripped object", {"": "1e-12"})
 def grip_(see):
     time_s = np.arange(9) / 8
     for top in (5e-324, 1e-12, 2.0, 1e300):
@@ -86,8 +76,6 @@ def grip_(see):
 @row(
     "hand, stepped",
     {"the ring": "1e-12 of a sample", "its memory": "1e-12 of N", "the level": "1e-12", "an event": "1e-12"},
-    ends="a grip of 1e-6 N at least: the hand's floor",
-    files=["model/meissner/physics/stepped.py"],
 )
 def stepped_(see):
     shares = (1 / 16, 0.3, 0.5, 0.875, 15 / 16)
@@ -127,12 +115,7 @@ def stepped_(see):
             )
 
 
-@row(
-    "hand, slide",
-    {"": "1e-12 of the way"},
-    ends="what slides stops where its speed would turn, and does not run back",
-    files=["model/meissner/physics/slide.py"],
-)
+@row("hand, slide", {"": "1e-12 of the way"})
 def slide_(see):
     """Both contacts slide with kinetic friction: v and the distance, by exact sums."""
     for one in see.covering(
@@ -173,12 +156,7 @@ def held(closing_mm, mass_kg=0.2, mu=0.7, tugs=()):
     return ours
 
 
-@row(
-    "hand",
-    {"the servo": "1e-12 N", "the load": "1e-12 of it"},
-    ends="an open hand presses with 1e-6 N",
-    files=["model/meissner/physics/hand.py"],
-)
+@row("hand", {"the servo": "1e-12 N", "the load": "1e-12 of it"})
 def hand_(see):
     for start in (2.5, 6.5535):
         for goal in (1e-4, 0.1, 2.5, 6.5535):

@@ -4,10 +4,10 @@ from fractions import Fraction
 
 import numpy as np
 
+from extremes.rows import row
 from meissner.physics.mesh import Mesh, correction
 from meissner.physics.mesh.cut import CutMesh
 from reference import network
-from verify.extremes import row
 
 MESH = [
     f"model/meissner/physics/mesh/{name}.py"
@@ -97,22 +97,12 @@ def solved(see, solver, powers, must=True):
             )
 
 
-@row(
-    "mesh, fast",
-    {"x, y": "1e-13", "load": "1e-13", "its own bound": "what bound says and 2^-52"},
-    ends="r/rp 1e-12 to 1e12: every one valid",
-    files=MESH,
-)
+@row("mesh, fast", {"x, y": "1e-13", "load": "1e-13", "its own bound": "what bound says and 2^-52"})
 def mesh_fast(see):
     solved(see, "fast", list(range(-12, 13, 1 if see.long else 4)))
 
 
-@row(
-    "mesh, auto",
-    {"x, y": "1e-13", "load": "1e-13", "its own bound": "what bound says and 2^-52"},
-    ends="r/rp 1e-12 to 1e12: every one valid; no load, bad load: a sentence",
-    files=MESH,
-)
+@row("mesh, auto", {"x, y": "1e-13", "load": "1e-13", "its own bound": "what bound says and 2^-52"})
 def mesh_auto(see):
     solved(see, "auto", list(range(-12, 13, 1 if see.long else 6)))
     mesh = Mesh(3, 2, 10.0)
@@ -175,22 +165,12 @@ def largest(see):
     see.near(got.x, 0, "opposite corners", "x, y", limit=Fraction("1e-11"))
 
 
-@row(
-    "mesh, lu",
-    {"its own bound": "what bound says and 2^-52"},
-    ends="fewer than three certain digits: not valid, with a sentence",
-    files=MESH,
-)
+@row("mesh, lu", {"its own bound": "what bound says and 2^-52"})
 def mesh_lu(see):
     solved(see, "lu", list(range(-12, 13, 1 if see.long else 4)), must=False)
 
 
-@row(
-    "mesh, constant",
-    {"x, y": "1e-15", "load": "1e-15"},
-    ends="a short is refused with a sentence",
-    files=MESH,
-)
+@row("mesh, constant", {"x, y": "1e-15", "load": "1e-15"})
 def mesh_constant(see):
     """Eq. 25 has no voltage drop: the centre and the sum of the forces themselves."""
     for m, n in ((1, 1), (1, 5), (4, 3), *([(41, 41)] if see.long else [])):
@@ -210,7 +190,7 @@ def mesh_constant(see):
     see.same((bool(got.valid), got.x, got.load), (False, 0.0, 0.0), "a short", "load")
 
 
-@row("mesh, iterated", {"x, y": "1e-12", "load": "1e-12"}, ends="2,000 contacts and more", files=MESH)
+@row("mesh, iterated", {"x, y": "1e-12", "load": "1e-12"})
 def mesh_iterated(see):
     """Against the fast solver's own dense system where both can run, and where symmetry gives the
     position."""
@@ -235,12 +215,7 @@ def mesh_iterated(see):
                 see.near(got.x, 0, place, "x, y")
 
 
-@row(
-    "mesh, cut",
-    {"x, y": "2^-46 (Cx + r/rp + (r + rp)/R0)", "load": "2^-46 (Cx + r/rp + (r + rp)/R0)"},
-    ends="no current: not valid, 0",
-    files=["model/meissner/physics/mesh/cut.py", *MESH],
-)
+@row("mesh, cut", {"x, y": "2^-46 (Cx + r/rp + (r + rp)/R0)", "load": "2^-46 (Cx + r/rp + (r + rp)/R0)"})
 def mesh_cut(see):
     there = np.ones((3, 3), bool)
     there[0, 0] = False
@@ -270,12 +245,7 @@ def mesh_cut(see):
             see.near(Fraction(float(got.load[0])) / wanted[6], 1, place, "load", limit=room)
 
 
-@row(
-    "mesh, correction",
-    {"": "1e-12 of the load"},
-    ends="the factor is held at 16",
-    files=["model/meissner/physics/mesh/correction.py"],
-)
+@row("mesh, correction", {"": "1e-12 of the load"})
 def mesh_correction(see):
     """F = Kf N / (D - N p): the result of apply against rationals, up to where the factor saturates."""
     p = [0.5, -0.25, 0.125, 0.0625, -0.5, 0.25]

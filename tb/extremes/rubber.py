@@ -5,17 +5,12 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 
+from extremes.rows import row
 from meissner import fit_rubber
 from meissner.physics import rubber
-from verify.extremes import row
 
 
-@row(
-    "rubber",
-    {"": "2e-14", "the distance slipped": "1e-15"},
-    ends="0 N conducts nothing; up to 1e30 N Vc stays within 0 .. 5 V",
-    files=["model/meissner/physics/rubber.py"],
-)
+@row("rubber", {"": "2e-14", "the distance slipped": "1e-15"})
 def rubber_(see):
     for force, volts in rubber.POINTS:
         see.near(float(rubber.rest_volts(force)) / 5, Fraction(volts) / 5, f"published, {force} N")
@@ -49,12 +44,7 @@ def rubber_(see):
         see.same(bool(np.isfinite(level).all() and (level >= 0).all()), True, f"{rate} Hz")
 
 
-@row(
-    "rubber fit",
-    {"": "1e-9"},
-    ends="a sentence for steps that do not determine the constants, or whose scatter of 0 leaves no interval",
-    files=["model/meissner/fit_rubber.py"],
-)
+@row("rubber fit", {"": "1e-9"})
 def rubber_fit(see):
     """The fit recovers the constants of steps without noise, at the ends of the range that the check
     accepts."""

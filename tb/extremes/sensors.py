@@ -5,27 +5,18 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 
+from extremes.rows import row
 from meissner.physics import capacitive, dielectric, fsr
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_registers import cop4_registers
 from meissner.physics.mesh import Mesh
 from meissner.twins.cop.cop4 import cop4
 from reference import exact, network
-from verify.extremes import row
 
 DOUBLE = np.finfo(float).eps
 
 
-@row(
-    "cop4 registers",
-    {"x, y": "1/2 LSB and |x| (1/8 + 8192/N)", "load": "1/2 LSB and load (1/2kf + 1/2N)"},
-    ends="a constant without room in its register: a sentence",
-    files=[
-        "model/meissner/physics/cop4_registers.py",
-        "model/meissner/twins/cop/cop4.py",
-        "model/meissner/physics/mesh/constants.py",
-    ],
-)
+@row("cop4 registers", {"x, y": "1/2 LSB and |x| (1/8 + 8192/N)", "load": "1/2 LSB and load (1/2kf + 1/2N)"})
 def cop4_registers_(see):
     """docs/cop4.md: the core's numbers against the formula on the same codes, r/R0 from 1e-12 to 1e12."""
     built = 0
@@ -74,12 +65,7 @@ def cop4_registers_(see):
     see.same(built > 3, True, f"{built} sensors have registers", "x, y")
 
 
-@row(
-    "fsr",
-    {"": "2^-49 of the supply times the largest cell over the weakest line's end"},
-    ends="a line cut off at its end reads 0",
-    files=["model/meissner/physics/fsr.py"],
-)
+@row("fsr", {"": "2^-49 of the supply times the largest cell over the weakest line's end"})
 def fsr_(see):
     shapes = {
         "even": lambda i, j: 1.0,
@@ -119,12 +105,7 @@ def fsr_(see):
                 )
 
 
-@row(
-    "capacitive",
-    {"a tab's height": "1e-12", "the voltage": "1e-12"},
-    ends="forces from 0 to 1e6 N; less than 0 is no force",
-    files=["model/meissner/physics/capacitive.py"],
-)
+@row("capacitive", {"a tab's height": "1e-12", "the voltage": "1e-12"})
 def capacitive_(see):
     for force in (0.0, 5e-324, 1e-300, 1e-12, 1e-3, 1.0, 1.4709975, 10.0, 1e3, 1e6):
         for tab in see.some((0.25, 0.75, 1e-3), 2):
@@ -174,12 +155,7 @@ def capacitive_(see):
         see.near(float(got) / wanted, 1, one, "the voltage")
 
 
-@row(
-    "dielectric",
-    {"": "1e-9"},
-    ends="a rise that no force reaches takes an infinite one, by contract",
-    files=["model/meissner/physics/dielectric.py"],
-)
+@row("dielectric", {"": "1e-9"})
 def dielectric_(see):
     """Forces converted there and back: the inverse of the tab's law, and the published cases of a flat
     sheet."""

@@ -4,13 +4,13 @@ import hypothesis.strategies as st
 import mpmath
 import numpy as np
 
+from extremes.rows import row
 from meissner.twins.slip import (
     haar,
     peak_to_peak,
     shear_speed,
     sliding_extremes,
     slip,
-    slip_flags,
     slip_path,
     slip_serial,
 )
@@ -18,7 +18,6 @@ from meissner.twins.slip.config import SlipConfig
 from reference import exact
 from reference.shear import FAST, RISING, SATURATED, ShearReference, within
 from reference.slip import NUMBERS, SlipPathReference, SlipReference
-from verify.extremes import row
 
 
 def alternating(level, bits, count):
@@ -30,12 +29,7 @@ def alternating(level, bits, count):
     return [high if k // half % 2 == 0 else low for k in range(count)]
 
 
-@row(
-    "haar",
-    {"": "0"},
-    ends="a bit more at each level: it cannot wrap",
-    rtl=["tb/slip/test_haar.py::test_haar"],
-)
+@row("haar", {"": "0"})
 def haar_(see):
     for bits in (2, 13, 17, 18, 24, 32):
         low, high = exact.signed(bits)
@@ -72,12 +66,7 @@ def haar_(see):
     see.given(drawn, x=st.lists(code, min_size=8, max_size=40), level=st.integers(1, 3))
 
 
-@row(
-    "sliding_extremes",
-    {"": "0"},
-    ends="before the start there is less to compare",
-    rtl=["tb/slip/test_sliding_extremes.py::test_sliding_extremes"],
-)
+@row("sliding_extremes", {"": "0"})
 def sliding_extremes_(see):
     for bits in (2, 18, 20, 32):
         low, high = exact.signed(bits)
@@ -94,12 +83,7 @@ def sliding_extremes_(see):
         see.refused(sliding_extremes.sliding_extremes, [0], [0], lag, taps)
 
 
-@row(
-    "peak_to_peak",
-    {"": "0"},
-    ends="a bit more than a detail: it cannot wrap; all masked gives 0",
-    rtl=["tb/slip/test_peak_to_peak.py::test_peak_to_peak"],
-)
+@row("peak_to_peak", {"": "0"})
 def peak_to_peak_(see):
     hops = ["span", "half", "one", "three quarters"]
     for one in see.covering(
@@ -140,12 +124,7 @@ CODES = {
 }
 
 
-@row(
-    "slip",
-    {"": "0"},
-    ends="timers stop at 0; settings beyond their bits are refused",
-    rtl=["tb/slip/test_slip.py::test_slip"],
-)
+@row("slip", {"": "0"})
 def slip_(see):
     draw, names = see.random, list(CODES)
     sizes = see.covering(**CODES)
@@ -235,12 +214,7 @@ AXES = {
 }
 
 
-@row(
-    "slip_path",
-    {"": "0"},
-    ends="every sum has its own bits: it cannot wrap",
-    rtl=["tb/slip/test_slip_path.py::test_slip_path"],
-)
+@row("slip_path", {"": "0"})
 def slip_path_(see):
     for one, config, x, *_ in paths(see, AXES, lambda level, window, **_: window >= 2 << level):
         mask = [k % 61 == 60 for k in range(len(x))]
@@ -260,12 +234,7 @@ def slip_path_(see):
         see.near(at, got.p2p.shape[1], one)
 
 
-@row(
-    "slip_serial",
-    {"": "0"},
-    ends="refused beyond its registers' bits",
-    rtl=["tb/slip/test_slip_serial.py::test_slip_serial"],
-)
+@row("slip_serial", {"": "0"})
 def slip_serial_(see):
     axes = AXES | {"hop": ["window"], "timer": [0, 1, 16383], "digit": [1, 2]}
     for one, config, x, *_ in paths(see, axes, lambda level, window, **_: window >= 2 << level):
@@ -290,22 +259,6 @@ def slip_serial_(see):
     see.refused(slip_serial.SlipSerial, SlipConfig(window=8, hop=8, hold=2**10), 17, 10)
 
 
-@row(
-    "slip_flags",
-    {"": "0"},
-    ends="as many channels as there are",
-    rtl=["tb/slip/test_slip_flags.py::test_slip_flags"],
-)
-def slip_flags_(see):
-    for channels in (1, 2, 3, 4096 if see.long else 256):
-        for place in sorted({0, channels // 2, channels - 1}):
-            for state in slip.State:
-                frame = [state if k == place else slip.State.NONE for k in range(channels)]
-                got = slip_flags.slip_flags([(s, k == channels - 1) for k, s in enumerate(frame)] * 2)
-                wanted = (state in (2, 3), state == 3, state in (1, 2, 3))
-                see.same(tuple(map(bool, got[-1])), wanted, (channels, place, state))
-
-
 def plain_settings(size, **given):
     """Registers that raise no flag, so that only the formula is tested."""
     top = 2**size.level_bits - 1
@@ -324,12 +277,7 @@ def plain_settings(size, **given):
     return settings | given
 
 
-@row(
-    "shear_speed",
-    {"": "0.0005 of v and 1/2 LSB at the default size"},
-    ends="held at the greatest speed with flag 7; no denominator, no rise and no rest have flags",
-    rtl=["tb/slip/test_shear_speed.py::test_shear_speed"],
-)
+@row("shear_speed", {"": "0.0005 of v and 1/2 LSB at the default size"})
 def shear_speed_(see):
     formula(see)
     rules(see)

@@ -9,7 +9,6 @@ module formal_cop_divide #(
   parameter  int unsigned Columns      = 64,
   parameter  int unsigned FractionBits = 14,
   parameter  int unsigned BitsPerClock = 2,
-  parameter  bit          Pipelined    = 1'b0,
   localparam int unsigned SumBits      = 16 + $clog2(Rows * Columns),
   localparam int unsigned MxBits       = SumBits + msn_pkg::index_width(Columns),
   localparam int unsigned MyBits       = SumBits + msn_pkg::index_width(Rows),
@@ -29,8 +28,7 @@ module formal_cop_divide #(
   logic signed [CopBits-1:0] out_x_o, out_y_o;
   logic        [SumBits-1:0] out_load_o;
   msn_cop_divide #(
-    .Rows(Rows), .Columns(Columns), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock),
-    .Pipelined(Pipelined)
+    .Rows(Rows), .Columns(Columns), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock)
   ) dut (.*);
 
   localparam int unsigned Wide = MxBits + MyBits;
@@ -95,8 +93,8 @@ module formal_cop_divide #(
   always_ff @(posedge clk_i) begin
     if (dut.u_x.turn) begin
       turns    <= turns + 8'd1;
-      digits_x <= (digits_x << 2) + LongBits'(dut.u_x.gen_unit[0].digit);
-      digits_y <= (digits_y << 2) + LongBits'(dut.u_y.gen_unit[0].digit);
+      digits_x <= (digits_x << 2) + LongBits'(dut.u_x.digit);
+      digits_y <= (digits_y << 2) + LongBits'(dut.u_y.digit);
     end
     if (load) begin
       turns    <= '0;
@@ -106,32 +104,32 @@ module formal_cop_divide #(
   end
   always_comb begin
     if (started) begin
-      assert (dut.u_y.turn == dut.u_x.turn && dut.u_y.gen_turn.count == dut.u_x.gen_turn.count);
+      assert (dut.u_y.turn == dut.u_x.turn && dut.u_y.count == dut.u_x.count);
       assert (dut.u_x.turn == (busy && turns != 8'(Steps)) && out_valid_o == (busy && turns == 8'(Steps)));
       if (busy) begin
-        assert (turns <= 8'(Steps) && (!dut.u_x.turn || 8'(dut.u_x.gen_turn.count) == turns));
-        assert (dut.u_x.gen_unit[0].side == {sum, pressed});
-        assert (dut.u_x.gen_unit[0].den != '0 && dut.u_y.gen_unit[0].den != '0);
-        assert ({dut.u_x.gen_unit[0].low, dut.u_x.gen_unit[0].step} ==
-                (dut.u_x.gen_unit[0].negative ? ~digits_x : digits_x));
-        assert ({dut.u_y.gen_unit[0].low, dut.u_y.gen_unit[0].step} ==
-                (dut.u_y.gen_unit[0].negative ? ~digits_y : digits_y));
+        assert (turns <= 8'(Steps) && (!dut.u_x.turn || 8'(dut.u_x.count) == turns));
+        assert (dut.u_x.out_side_o == {sum, pressed});
+        assert (dut.u_x.den != '0 && dut.u_y.den != '0);
+        assert ({dut.u_x.low, dut.u_x.step} ==
+                (dut.u_x.negative ? ~digits_x : digits_x));
+        assert ({dut.u_y.low, dut.u_y.step} ==
+                (dut.u_y.negative ? ~digits_y : digits_y));
         if (turns == '0) begin
           assert (digits_x == '0 && digits_y == '0);
-          assert (dut.u_x.gen_unit[0].rest <= {1'b0, dut.u_x.gen_unit[0].den, 1'b0});
-          assert (dut.u_y.gen_unit[0].rest <= {1'b0, dut.u_y.gen_unit[0].den, 1'b0});
-          assert (dut.u_x.gen_unit[0].gen_two.triple == '1 && dut.u_y.gen_unit[0].gen_two.triple == '1);
-          assert (!dut.u_x.gen_unit[0].rest[0] && !dut.u_y.gen_unit[0].rest[0]);
-          assert (dut.u_x.gen_unit[0].high == '0 && dut.u_y.gen_unit[0].high == '0);
+          assert (dut.u_x.rest <= {1'b0, dut.u_x.den, 1'b0});
+          assert (dut.u_y.rest <= {1'b0, dut.u_y.den, 1'b0});
+          assert (dut.u_x.gen_two.triple == '1 && dut.u_y.gen_two.triple == '1);
+          assert (!dut.u_x.rest[0] && !dut.u_y.rest[0]);
+          assert (dut.u_x.high == '0 && dut.u_y.high == '0);
         end else begin
-          assert ((dut.u_x.gen_unit[0].rest >> 2) < dut.u_x.gen_unit[0].den && dut.u_x.gen_unit[0].rest[1:0] == '0);
-          assert ((dut.u_y.gen_unit[0].rest >> 2) < dut.u_y.gen_unit[0].den && dut.u_y.gen_unit[0].rest[1:0] == '0);
-          assert (dut.u_x.gen_unit[0].high == dut.u_x.gen_unit[0].low + 1'b1);
-          assert (dut.u_y.gen_unit[0].high == dut.u_y.gen_unit[0].low + 1'b1);
-          assert (dut.u_x.gen_unit[0].gen_two.triple == {2'b0, dut.u_x.gen_unit[0].den} + {1'b0, dut.u_x.gen_unit[0].den, 1'b0});
-          assert (dut.u_y.gen_unit[0].gen_two.triple == {2'b0, dut.u_y.gen_unit[0].den} + {1'b0, dut.u_y.gen_unit[0].den, 1'b0});
-          assert (digits_x < limit || (digits_x == limit && dut.u_x.gen_unit[0].rest == '0));
-          assert (digits_y < limit || (digits_y == limit && dut.u_y.gen_unit[0].rest == '0));
+          assert ((dut.u_x.rest >> 2) < dut.u_x.den && dut.u_x.rest[1:0] == '0);
+          assert ((dut.u_y.rest >> 2) < dut.u_y.den && dut.u_y.rest[1:0] == '0);
+          assert (dut.u_x.high == dut.u_x.low + 1'b1);
+          assert (dut.u_y.high == dut.u_y.low + 1'b1);
+          assert (dut.u_x.gen_two.triple == {2'b0, dut.u_x.den} + {1'b0, dut.u_x.den, 1'b0});
+          assert (dut.u_y.gen_two.triple == {2'b0, dut.u_y.den} + {1'b0, dut.u_y.den, 1'b0});
+          assert (digits_x < limit || (digits_x == limit && dut.u_x.rest == '0));
+          assert (digits_y < limit || (digits_y == limit && dut.u_y.rest == '0));
         end
       end
     end

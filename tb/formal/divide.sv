@@ -4,7 +4,6 @@ module formal_divide #(
   parameter int unsigned DenBits      = 34,
   parameter int unsigned FractionBits = 14,
   parameter int unsigned BitsPerClock = 2,
-  parameter bit          Pipelined    = 1'b0,
   parameter int unsigned SideBits     = 1
 ) (
   input logic                    clk_i,
@@ -20,13 +19,12 @@ module formal_divide #(
   logic signed [FractionBits+1:0] out_quotient_o;
   logic [SideBits-1:0]            out_side_o;
   msn_divide #(
-    .DenBits(DenBits), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Pipelined(Pipelined),
-    .SideBits(SideBits)
+    .DenBits(DenBits), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .SideBits(SideBits)
   ) dut (.*);
 
   logic [DenBits+BitsPerClock-1:0] triple;
   if (BitsPerClock == 2) begin : gen_two
-    assign triple = dut.gen_unit[0].gen_two.triple;
+    assign triple = dut.gen_two.triple;
   end else begin : gen_one
     assign triple = '0;
   end
@@ -35,14 +33,14 @@ module formal_divide #(
   ) u_owed (
     .clk_i, .rst_i, .in_valid_i, .in_ready_i(in_ready_o), .in_num_i, .in_den_i, .in_side_i,
     .out_valid_i(out_valid_o), .out_ready_i, .out_quotient_i(out_quotient_o), .out_side_i(out_side_o),
-    .turn_i(dut.turn), .count_i(8'(dut.gen_turn.count)), .rest_i(dut.gen_unit[0].rest),
-    .den_i(dut.gen_unit[0].den), .low_i(dut.gen_unit[0].low), .high_i(dut.gen_unit[0].high),
-    .step_i(dut.gen_unit[0].step), .negative_i(dut.gen_unit[0].negative), .digit_i(dut.gen_unit[0].digit),
+    .turn_i(dut.turn), .count_i(8'(dut.count)), .rest_i(dut.rest),
+    .den_i(dut.den), .low_i(dut.low), .high_i(dut.high),
+    .step_i(dut.step), .negative_i(dut.negative), .digit_i(dut.digit),
     .triple_i(triple)
   );
 
   always_comb begin
-    if (u_owed.busy && u_owed.started) assert (dut.gen_unit[0].side == u_owed.side);
+    if (u_owed.busy && u_owed.started) assert (dut.out_side_o == u_owed.side);
   end
 
 endmodule

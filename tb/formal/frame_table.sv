@@ -3,7 +3,7 @@
 // Words follow from Start on, wrapping around, one with every advance, the first two advances after a restart; each is
 // the value last written before it was read, for any word (`watch_i`, constant). No word is read in the clock in which
 // it is written. Assumed: with two banks only the bank not read is written, with one no word while it is read (proof
-// obligations of msn_calibration_table, msn_health and msn_tare, which restart before they use such a word).
+// obligations of msn_taxel_table, msn_health and msn_tare, which restart before they use such a word).
 
 module formal_frame_table #(
   parameter  int unsigned Words    = 5,

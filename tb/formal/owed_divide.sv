@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an msn_divide that is not Pipelined guarantees, with m = |num| <= den, den > 0 (assumed):
+// What msn_divide guarantees, with m = |num| <= den, den > 0 (assumed):
 //
 //   L = floor(m 2^N / den), |out| = L rounded at its last N - FractionBits bits, up from the half on
 //   out has the sign of num; |out| <= 1.0; Steps + 1 clocks after it was taken; side is that of the same division

@@ -43,6 +43,13 @@ module formal_packet #(
   input logic                   out_ready_i
 );
 
+  msn_pkg::decision_t slip_i;
+  msn_pkg::cop_t      cop_i;
+  msn_pkg::health_t   health_i;
+  assign slip_i   = {2'b00, slip_state_i, slip_p2p_i, slip_id_i};
+  assign cop_i    = {cop_x_i, cop_y_i, cop_load_i, cop_pressed_i};
+  assign health_i = {health_id_i, health_faults_i};
+
   logic        slip_ready_o, health_ready_o, answer_ready_o, out_begin_o, out_valid_o, out_last_o;
   logic [7:0]  out_data_o;
   logic [31:0] packets_o, cop_dropped_o, image_dropped_o;

@@ -2,7 +2,7 @@
 //
 // Every access is answered once, two clocks later. These are errors and change nothing: an address that is not a
 // multiple of four, an address without a register in this build, a write to a read-only register. Every setting is the
-// value written to it, byte by byte, immediately or after its group's commit; a read gives all fields of its word in
+// value written to it, byte by byte, immediately or after a commit, which is none while core.hold is 1; a read gives all fields of its word in
 // their places, with the core's counters as of the clock before the answer; a pulse follows its write by a clock, once.
 // Where the build has fewer bits than the map, the core and a read get the nearest number that fits into them.
 // registers_map.svh, made by tools/make/registers.py, has a line for each field.
@@ -46,6 +46,8 @@ module formal_registers #(
   logic [31:0] mask;
   assign odd   = bus_address_i[1:0] != 2'd0;
   assign write = bus_valid_i && bus_write_i && !odd;
+  logic        commit;
+  assign commit = commit_i && !cfg_o.core.hold;
   assign mask  = {{8{bus_strobe_i[3]}}, {8{bus_strobe_i[2]}}, {8{bus_strobe_i[1]}}, {8{bus_strobe_i[0]}}};
 
   // An access, one clock and two clocks after its request.
@@ -61,14 +63,14 @@ module formal_registers #(
   always_ff @(posedge clk_i) {asked_``n, was_``n} <= {there[n], (width)'(value)}; \
   always_comb if (started && done && !empty && asked_``n) assert (bus_rdata_o[low+:width] == was_``n);
 
-`define SETTING(n, on, at, low, width, place, name, member, waits, inner, ends, sign) \
+`define SETTING(n, on, at, low, width, place, name, member, waits, ends, sign) \
   logic [width-1:0] name``_fit; \
   owed_field #( \
     .On(on), .Word(at), .Low(low), .Width(width), .Reset(Resets[place+:width]), .Waits(waits), .Bits(ends), \
     .Signed(sign) \
   ) owed_``name ( \
     .clk_i, .rst_i, .write_i(write), .word_i(bus_address_i[11:2]), .data_i(bus_wdata_i), .mask_i(mask), \
-    .commit_i, .member_i(cfg_o.member), .held_i(inner), .fit_o(name``_fit), \
+    .commit_i(commit), .member_i(cfg_o.member), .held_i(dut.written[place+:width]), .fit_o(name``_fit), \
     .written_o(written[n]) \
   ); \
   `READS(n, on, at, low, width, name``_fit) \
@@ -94,15 +96,16 @@ module formal_registers #(
   always_ff @(posedge clk_i) wrote_``name <= !rst_i && on && write && bus_address_i[11:2] == at; \
   always_comb if (started) assert (cfg_o.member == wrote_``name);
 
-`define PENDING(name, first, count) \
-  logic name``_waits; \
-  always_ff @(posedge clk_i) begin \
-    if (commit_i) name``_waits <= 1'b0; \
-    if (written[first+:count] != '0) name``_waits <= 1'b1; \
-    if (rst_i) name``_waits <= 1'b0; \
-  end
-
 `include "registers_map.svh"
+
+  // A write of any setting that waits is pending until a commit, unless the host holds it.
+  logic waits;
+  always_ff @(posedge clk_i) begin
+    if (commit) waits <= 1'b0;
+    if ((written & Waiting) != '0) waits <= 1'b1;
+    if (rst_i) waits <= 1'b0;
+  end
+  always_comb if (started) assert (pending_o == (waits && !cfg_o.core.hold));
 
   msn_registers #(
     .Adc(Adc), .Slip(Slip), .Scan(Scan), .Health(Health), .Tare(Tare), .Calibrate(Calibrate), .Cop(Cop),

@@ -1,7 +1,6 @@
 """msn_acquire with a stream, with msn_adc_single and with msn_adc_spi behind part models that check their
 timing: the samples are the twin's for the codes that the part converted, on an exact grid; a stream passes
-unchanged; absent parts give zeros; each error increments its own counter only (msn_channels runs this test
-too)."""
+unchanged; absent parts give zeros; each error increments its own counter only."""
 
 import cocotb
 import numpy as np

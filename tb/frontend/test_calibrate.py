@@ -1,6 +1,6 @@
-"""msn_calibrate against its model, and the model against exact fractions: per taxel and by row and column, all
-lane counts, 1 x 1 to 256 x 256; gain 0 and full, offsets at both ends and above every sample, samples at both
-ends; gaps and stalls; masks; calibrations swapped while frames pass; damage; resets; exact clocks."""
+"""msn_calibrate against its model, and the model against exact fractions: per taxel and by row and column,
+all lane counts, 1 x 1 to 256 x 256; gain 0 and full, offsets at both ends and above every sample, samples at
+both ends; gaps and stalls; masks; calibrations swapped while frames pass; damage; resets; exact clocks."""
 
 import random
 from fractions import Fraction

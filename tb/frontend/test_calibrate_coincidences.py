@@ -1,6 +1,6 @@
 """Events that meet in one clock in msn_calibrate, with forces worked out by hand from the header's formula: a
-swap requested at every clock around a frame's first and last beat, in mid-frame and twice; an entry written in
-the clock of the request and right after the exchange; frames damaged at every beat, a swap requested
+swap requested at every clock around a frame's first and last beat, in mid-frame and twice; an entry written
+in the clock of the request and right after the exchange; frames damaged at every beat, a swap requested
 meanwhile; by row and column the credit with the FIFO exactly full and exactly empty."""
 
 import cocotb

@@ -29,7 +29,7 @@ def twin_of(dut):
         *(value(name) for name in ("Rows", "Columns", "Lanes")),
         PARTS[value("Part")],
         *(value(name) for name in ("Channels", "AdcLanes", "ClkKhz", "SclkKhz", "SampleBits")),
-        *(value(name) for name in ("SettleBits", "PeriodBits", "Depth")),
+        *(value(name) for name in ("Depth",)),
     )
 
 
@@ -224,7 +224,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
 async def settings_of_any_size(dut, turn):
     """Random orders, settle times and periods."""
     twin, draw = twin_of(dut), random.Random(4 * bench.SEED + turn)
-    settle = draw.randrange(min(twin.scan.cycle, 1 << twin.settle_bits))
+    settle = draw.randrange(min(twin.scan.cycle, 1 << 16))
     period = (1 + turn % 2) * twin.scan.frame_clocks(settle) + draw.randrange(256)
     settings = Settings(settle, period, twin.scan.buffer.sorts and draw.random() < 0.5)
     made = await board(dut, settings, min(4 * period, 15_000))
@@ -242,10 +242,10 @@ async def long_times_are_long(dut):
     twin = twin_of(dut)
     scan, slot = twin.scan, twin.scan.slot(1)
     frame = scan.frame_clocks(1) + slot
-    bits = range(frame.bit_length(), twin.period_bits)
+    bits = range(frame.bit_length(), 32)
     lone = [1 << bit for bit in bits]
     periods = lone if frame < 1000 else [sum(lone[::2]), sum(lone[1::2])]
-    settles = range((2 * slot).bit_length(), twin.settle_bits)
+    settles = range((2 * slot).bit_length(), 16)
     cases = [(Settings(1 << bit), 2 * slot) for bit in settles]
     cases += [(Settings(1, period), frame) for period in periods]
     made = await board(dut, cases[0][0], 0)
@@ -331,7 +331,7 @@ BUILDS = [
     {"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "ClkKhz": 20_000},
     {
         **{"Rows": 3, "Columns": 5, "Part": MAX11123.number, "Channels": 1, "ClkKhz": 100_000},
-        **{"SettleBits": 8, "Depth": 8},
+        "Depth": 8,
     },
 ]
 

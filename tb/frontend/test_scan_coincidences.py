@@ -210,7 +210,7 @@ RING |= {"SettleBits": 6, "PeriodBits": 16}
 
 
 async def ring(dut, ready, clocks):
-    """Clocks of trigger_o, the number of beats that left, and the count held; ``ready``(clock, beats so far)."""
+    """Clocks of trigger_o, the number of beats that left, the count held; ``ready``(clock, beats so far)."""
     SETTINGS(dut)
     dut.in_valid_i.value = 0
     await bench.reset(dut)

@@ -33,7 +33,6 @@ NAMES = {
     "periods": "Periods",
     "skip": "Skip",
     "shift": "Shift",
-    "settle_bits": "SettleBits",
 }
 CARRIER_HZ = 1e8 / 256  # with the bench's 10 ns clock: a sample every 5/4 periods is 320 clocks
 BASE = {
@@ -43,7 +42,6 @@ BASE = {
     "Periods": 2,
     "Skip": 2,
     "Shift": 0,
-    "SettleBits": 8,
 }
 
 

@@ -110,20 +110,18 @@ async def matches_model(dut, pause_rate):
 @bench.applies(bench.whole)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_reset_selects_the_first_bank(dut):
-    """Whichever was in use before. A user sees only which bank a write goes to, and that is the other one, so the
-    register itself is read: both values would do, but the twin and the proofs of the netlist know one."""
-    quiet = {"cfg_write_i": 0, "cfg_swap_i": 0, "take_i": 0, "restart_i": 0, "last_i": 0}
-    await bench.start(dut, **quiet)
+    """Whichever was in use before. A user sees only which bank a write goes to, and that is the other one, so
+    the register itself is read: both values would do, but the twin and the proofs of the netlist know one."""
+    settings = Settings(dut, "calibrate_cfg")
+    await bench.start(dut, take_i=0, last_i=0)
     for swaps in range(3):
         await FallingEdge(dut.clk_i)
         assert bench.read(dut.bank) == 0, f"swap {swaps}"
         for _ in range(swaps):
-            dut.cfg_swap_i.value = 1
-            await bench.RisingEdge(dut.clk_i)
-            dut.cfg_swap_i.value = 0
+            await settings.pulse(dut.clk_i, swap=1)
             await bench.clocks(dut, 4)
             await FallingEdge(dut.clk_i)
-        assert (bench.read(dut.bank), bench.read(dut.loaded_o)) == (swaps % 2, swaps > 0)
+        assert (bench.read(dut.bank), bench.read(dut.out_loaded_o)) == (swaps % 2, swaps > 0)
         await bench.reset(dut)
 
 

@@ -28,9 +28,7 @@ REPLACED = (
     ),
 )
 
-RESET = (
-    2  # clocks of the first reset: msn_calibration_table's reads use a bank that the first clock makes known
-)
+RESET = 2  # clocks of the first reset: msn_taxel_table's reads use a bank that the first clock makes known
 # Struct ports of a block: its group's settings, which become a vector, and all others.
 SETTINGS = re.compile(r"\bmsn_registers_pkg::(\w+)_cfg_t(\s+cfg_i\b)")
 STRUCT = re.compile(r"^\s*(?:input|output)\s+msn_\w*pkg::(?!\w+_cfg_t\s+cfg_i\b)\w+_t\b", re.M)

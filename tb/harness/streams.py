@@ -151,8 +151,8 @@ async def turn_over(
 
     Runs before any reset, when registers start as ones and so do the counters (a counter that this build
     lacks reads 0): in each clock a counter grows by at most ``most``, whatever the inputs, and if ``wraps``,
-    it must leave its greatest value within ``span`` clocks. With random initial values (``powerups``) it
-    counts from there. Must be the first test of all (``stage=-1``), declared ``starts_known``. ``wiggled``:
+    it must leave its greatest value within ``span`` clocks. With random initial values it counts
+    from there. Must be the first test of all (``stage=-1``), declared ``starts_known``. ``wiggled``:
     inputs driven at random; ``inputs``: values of other inputs; ``beside``: register outputs of which only
     the initial value is checked; ``still``: counters that need not wrap, as their events may not occur, but
     are checked otherwise.

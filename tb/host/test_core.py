@@ -3,6 +3,7 @@ newtons, refusals, typed packets and images. Then faults of the line: the cable 
 packet, a core that was reset, lost commands and answers, noise, another baud rate, a core without registers,
 one of another version."""
 
+import contextlib
 import os
 import time
 from itertools import count
@@ -190,9 +191,33 @@ def test_a_simulated_core_holds_what_another_host_writes():
     core["slip.threshold"], core["cop.min_load"], core["slip.contact_level"] = 262_444, 2**31, -200_000
     assert (core["slip.threshold"], core["cop.min_load"]) == (262_143, 1_048_575)
     assert core["slip.contact_level"] == -131_072
-    model.boundary("slip")
+    model.boundary()
     config = model.slip_config()
     assert (config.threshold, config.contact_level) == (262_143, -131_072)
+
+
+def test_settings_written_together_take_effect_with_one_frame():
+    """Between any two of the writes a frame begins; the settings of before hold until the block ends."""
+    model = simulated(size=(3, 3))
+    core = connected(model)
+    seen = lambda: (model.slip_config().threshold, model.slip_config().hold)
+    core["slip.threshold"], core["slip.hold"] = 40, 3
+    model.boundary()
+    for end in (None, KeyError):
+        core["slip.hold"] = 3
+        model.boundary()
+        before = seen()
+        with contextlib.suppress(KeyError), core.together():
+            core["slip.threshold"] += 10
+            model.boundary()
+            core["slip.hold"] = 7
+            model.boundary()
+            assert seen() == before and core["slip.hold"] == 7
+            if end:
+                raise end
+        assert seen() == before
+        model.boundary()
+        assert seen() == (before[0] + 10, 7)
 
 
 def test_bits_that_no_field_has_are_refused():
@@ -221,14 +246,14 @@ def test_settings_in_volts_newtons_and_seconds():
     core = connected(model, known=model.units)
     wanted, slip = scene.slip_config(), scene.slip
     for name, quantity, amount in (
-        ("threshold", "volts", 2 * slip.threshold_v),
-        ("gross_threshold", "volts", 2 * slip.gross_threshold_v),
-        ("keep_threshold", "volts", 2 * slip.keep_threshold_v),
-        ("contact_level", "volts", slip.contact_v),
-        ("release_level", "volts", slip.release_v),
-        ("hold", "seconds", slip.hold_s),
-        ("refractory", "seconds", slip.refractory_s),
-        ("blank", "seconds", slip.blank_s),
+        ("threshold", "volts", slip.threshold_p2p_v),
+        ("gross_threshold", "volts", slip.gross_threshold_p2p_v),
+        ("keep_threshold", "volts", slip.keep_threshold_p2p_v),
+        ("contact_level", "volts", slip.contact_level_v),
+        ("release_level", "volts", slip.release_level_v),
+        ("hold", "seconds", slip.hold_ms / 1000),
+        ("refractory", "seconds", slip.refractory_ms / 1000),
+        ("blank", "seconds", slip.blank_ms / 1000),
     ):
         core[f"slip.{name}"] = 1
         code = core.set(f"slip.{name}", **{quantity: amount})

@@ -21,9 +21,9 @@ CHANNELS = {
     "sensor": {"kind": "channels", "channels": 3},
     "adc": {"part": "MCP3208", "volts": 3.3, "rate_hz": 7331.0},
     "slip": {
-        **{"window": 32, "threshold_v": 0.0175, "gross_threshold_v": 0.111, "contact_level_v": 2.913},
+        **{"window": 32, "threshold_p2p_v": 0.0175, "gross_threshold_p2p_v": 0.111, "contact_level_v": 2.913},
         **{"release_level_v": 3.0175, "contact_rises": False},
-        "keep_threshold_v": 0.0101,
+        "keep_threshold_p2p_v": 0.0101,
         **{"hold_ms": 12.3, "refractory_ms": 7.7, "blank_ms": 33.2},
     },
     "link": {"baud": 1_234_567},
@@ -41,7 +41,7 @@ ARRAY = {
     "tare": {"contact_codes": 67, "step": 3},
     "cop": {"min_load_n": 0.55},
     "slip": {
-        **{"window": 64, "hop": 32, "level": 2, "threshold_n": 0.083, "gross_threshold_n": 0.57},
+        **{"window": 64, "hop": 32, "level": 2, "threshold_p2p_n": 0.083, "gross_threshold_p2p_n": 0.57},
         **{"contact_level_n": 0.31, "release_level_n": 0.2007},
         **{"hold_ms": 21.0, "refractory_ms": 11.5, "blank_ms": 55.0},
     },
@@ -54,7 +54,7 @@ ELECTRODES = {
     "mesh": {"rows": 9, "columns": 11, "r_ohm": 47.0, "R0_ohm": 910.0, "V0_v": 12.0, "k_n_ohm": 5100.0},
     "load": {"gain": 0.7, "lsb_n": 0.0017, "min_n": 0.123, "correction": "none"},
     "cop_slip": {
-        **{"lag_ms": 33.0, "drop": 0.37, "move": 0.0123, "min_n": 0.3},
+        **{"lag_ms": 33.0, "drop": 0.37, "move": 0.0123, "min_load_n": 0.3},
         **{"hold_ms": 41.0, "refractory_ms": 90.0},
     },
 }
@@ -134,22 +134,22 @@ def test_a_hand():
 
 
 @pytest.mark.parametrize(
-    "change, said",
+    "change",
     [
-        ({"cycle_ms": 0.0011}, "[grip]: cycle_ms = 0.0011 must lie in 0.00119671 .. 1254.84"),
-        ({"cycle_ms": 1255.0, "silent_ms": 2000.0}, "[grip]: cycle_ms = 1255 must lie in"),
-        ({"silent_ms": 9.9}, "[grip]: silent_ms = 9.9 must not be below cycle_ms"),
-        ({"rule": "loudest"}, "[grip]: rule = 'loudest' must be one of: any, weakest"),
-        ({"minimum": 60_001}, "[grip]: minimum = 60001 must not be above maximum = 60000"),
-        ({"rail_samples": 256}, "rail_samples"),
-        ({"steps": 1}, "[grip]: unknown key 'steps'"),
+        {"cycle_ms": 0.0011},
+        {"cycle_ms": 1255.0, "silent_ms": 2000.0},
+        {"silent_ms": 9.9},
+        {"rule": "loudest"},
+        {"minimum": 60_001},
+        {"rail_samples": 256},
+        {"steps": 1},
     ],
 )
-def test_a_hand_that_cannot_be_is_refused(change, said):
-    with pytest.raises(ValueError) as problem:
+def test_a_hand_that_cannot_be_is_refused(change):
+    """13.37 MHz: 16 clocks are 0.00119671 ms, 2^24 - 1 are 1254.84 ms."""
+    with pytest.raises(ValueError, match=rf"^\[grip\]: .*{next(iter(change))}"):
         of(CHANNELS | {"grip": change})
-    assert said in str(problem.value)
-    with pytest.raises(ValueError, match=r"\[grip\] is not allowed with kind = 'array'"):
+    with pytest.raises(ValueError, match=r"\[grip\] .* 'array'"):
         of(ARRAY | {"grip": {}})
 
 
@@ -183,23 +183,24 @@ def test_sheared_rubber():
 
 
 @pytest.mark.parametrize(
-    "table, change, said",
+    "change, key",
+    # 2048 / 0.03 = 68267, of 16 bits; 2 · 2^16 of 18; 16 · 2^20 of 24.
     [
-        ("shear_speed", {"n": 0.0}, "[shear_speed]: n = 0 must be above 0"),
-        ("shear_speed", {"n": 0.03}, "[shear_speed]: exponent = 68267 must lie in 0 .. 65535"),
-        ("shear_speed", {"k1": 2.0}, "[shear_speed]: k1 = 131072 must lie in -131072 .. 131071"),
-        ("shear_speed", {"vi_min_v": 4.1}, "[shear_speed]: vi_min_v = 4.1 must not be above vi_max_v"),
-        ("shear_speed", {"hold_cycles": 256}, "[shear_speed]: hold_cycles = 256 must lie in 0 .. 255"),
-        ("shear_speed", {"limit_mm_s": 16.0}, "[shear_speed]: limit = 16777216 must lie in 0 .. 16777215"),
-        ("shear_speed", {"k": 1}, "[shear_speed]: unknown key 'k'"),
-        ("link", {"registers": False}, "[shear_speed] must go with serial = false and registers = true"),
+        ({"n": 0.0}, "n"),
+        ({"n": 0.03}, "exponent"),
+        ({"k1": 2.0}, "k1"),
+        ({"vi_min_v": 4.1}, "vi_min_v"),
+        ({"hold_cycles": 256}, "hold_cycles"),
+        ({"limit_mm_s": 16.0}, "limit"),
+        ({"k": 1}, "'k'"),
     ],
 )
-def test_rubber_that_cannot_be_is_refused(table, change, said):
-    with pytest.raises(ValueError) as problem:
-        of(CHANNELS | {"shear_speed": {}} | {table: CHANNELS.get(table, {}) | change})
-    assert said in str(problem.value)
-    with pytest.raises(ValueError, match=r"\[shear_speed\] is not allowed with kind = 'array'"):
+def test_rubber_that_cannot_be_is_refused(change, key):
+    with pytest.raises(ValueError, match=rf"^\[shear_speed\]: .*{key}"):
+        of(CHANNELS | {"shear_speed": change})
+    with pytest.raises(ValueError, match=r"\[shear_speed\] .* registers = true"):
+        of(CHANNELS | {"shear_speed": {}, "link": {"registers": False}})
+    with pytest.raises(ValueError, match=r"\[shear_speed\] .* 'array'"):
         of(ARRAY | {"shear_speed": {}})
 
 
@@ -313,7 +314,7 @@ def test_four_electrodes():
         "cop4.min_load": 72,  # 0.123 / 0.0017 = 72.35
         "cop_slip.drop": 95,  # 0.37 · 256 = 94.72
         "cop_slip.move": 202,  # 0.0123 · 16384 = 201.52
-        "cop_slip.min_load": 176,  # 0.3 / 0.0017 = 176.47
+        "cop_slip.min_load": 177,  # 0.3 / 0.0017 = 176.47, up: at least 0.3 N
         "cop_slip.hold": 32,  # 41 ms · 0.777 = 31.86 samples
         "cop_slip.refractory": 70,  # 69.93
     }

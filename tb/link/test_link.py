@@ -6,8 +6,11 @@ passed through."""
 import cocotb
 import numpy as np
 import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
 import bench
+import members
 from link import test_packet as packet
 from link.test_bridge import Registers
 from meissner.twins.link import packet as p
@@ -16,30 +19,95 @@ from meissner.twins.link.link import line_of, packets_of
 from meissner.twins.link.uart_tx import levels
 
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
-HOST = ("host_valid", "host_write", "host_address", "host_wdata", "host_strobe")
+TIME = 0xFEDC_BA98_7654
+BUS = {"valid": 1, "write": 1, "address": 12, "wdata": 32, "strobe": 4}
+# The counters in statistics, by docs/link.md: of a core with a converter, and of one with an array.
+REST = ("slip_damaged", "slip_blanked", "cop_damaged", "link_image_dropped", "link_rejected")
+COUNTERS = (
+    ("adc_dropped", "adc_overrun", "adc_timeout", *REST),
+    ("scan_dropped", "scan_overrun", "scan_lost", *REST),
+)
+
+
+def number(dut, name):
+    return getattr(dut, name).value.to_unsigned()
+
+
+def whole(dut):
+    return not number(dut, "SlipOnly")
+
+
+def has_line(dut):
+    return whole(dut) and number(dut, "Uart")
+
+
+def parameters(dut):
+    return packet.parameters(dut) | {"Statistics": 8}
+
+
+def told(dut):
+    return members.of("link_status", bench.read(dut.status_o))
 
 
 async def begin(dut, rates, ready=lambda: True):
     """The bench of msn_packet's test, without register accesses."""
-    rest = {f"{name}_i": 0 for name in ("bus_done", "bus_error", "bus_rdata", *HOST)}
-    return await packet.begin(dut, np.random.default_rng(bench.SEED), rates, ready, rx_i=1, **rest)
-
-
-@bench.starts_known
-@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
-async def counts_over_the_whole_width(dut):
-    counters = ["packets_o", "cop_dropped_o", "image_dropped_o", "rejected_o"]
-    await bench.turn_over(dut, *counters, most=3, wraps=False)
+    names = "status convert decision_valid decision bus_done bus_error bus_rdata"
+    rest = {f"{name}_i": 0 for name in (*names.split(), *(f"host_{name}" for name in BUS))}
+    test, sources, _ = await packet.begin(
+        dut, np.random.default_rng(bench.SEED), rates, ready, rx_i=1, time_i=TIME, **rest
+    )
+    names = COUNTERS[number(dut, "Array")]
+    counters = {name: 0x0101_0101 * (3 + 7 * place) for place, name in enumerate(names)}
+    others = dict.fromkeys(("adc_mistagged", "adc_over_range", "scan_held", "tare_swallowed"), 0x55)
+    dut.status_i.value = members.word("status", counters | others)
+    return test, sources, list(counters.values())
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset_whatever_comes(dut):
-    counters = ["packets_o", "cop_dropped_o", "image_dropped_o", "rejected_o"]
-    await bench.inputs_in_reset(dut, "out_valid_o", *counters)
+    await bench.inputs_in_reset(dut, "out_valid_o", "now_o", "pressed_o")
     assert dut.tx_o.value == 1
 
 
-@bench.applies(lambda dut: dut.Uart.value.to_unsigned())
+@bench.starts_known
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_clocks_over_the_whole_width(dut):
+    """From the value at power-up, with registers at ones the greatest; from 0 after a reset."""
+    for port in dut:
+        if port._name.endswith("_i"):
+            port.value = 0
+    await Timer(1, "ns")
+    count = bench.read(dut.now_o)
+    assert bench.ONES.lstrip("+") not in cocotb.plusargs or count == 2**48 - 1
+    Clock(dut.clk_i, 10, unit="ns").start()
+    for clock in range(60):
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        count = 0 if 30 <= clock < 33 else (count + 1) % 2**48
+        assert bench.read(dut.now_o) == count, clock
+        await FallingEdge(dut.clk_i)
+        dut.rst_i.value = int(29 <= clock < 32)
+    await RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def keeps_whether_the_last_centre_was_pressed(dut):
+    await begin(dut, {})
+    for valid, pressed, kept in ((0, 1, 0), (1, 1, 1), (0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 1, 1), (1, 1, 1)):
+        dut.cop_valid_i.value, dut.cop_i.value = valid, members.word("cop", {"pressed": pressed, "x": -1})
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        assert dut.pressed_o.value == kept, (valid, pressed)
+        await FallingEdge(dut.clk_i)
+    dut.rst_i.value = 1  # a pressed centre in its clock
+    await RisingEdge(dut.clk_i)
+    dut.rst_i.value = dut.cop_valid_i.value = 0
+    await ReadOnly()
+    assert dut.pressed_o.value == 0
+    await RisingEdge(dut.clk_i)
+
+
+@bench.applies(has_line)
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def full_load_and_registers(dut):
     rates = {"slip": 0.0006, "cop": 0.02, "health": 0.01, "image": 1.0}
@@ -50,7 +118,7 @@ async def full_load_and_registers(dut):
     rx = [1] * 400 + [level for ask in asked for level in levels(command(*ask), CLK, BAUD) + wait]
     line = []
     for clock, level in enumerate(rx + [1] * 20_000):
-        dut.rx_i.value, dut.now_i.value = level, bench.time(clock)
+        dut.rx_i.value = level
         registers.before()
         if clock == len(rx) // 2:
             sources["cop"].rate = 0  # now health gets its turn
@@ -66,11 +134,11 @@ async def full_load_and_registers(dut):
         await bench.RisingEdge(dut.clk_i)
     got, decoder = packets_of(line, CLK, BAUD)
     assert (decoder.damaged, decoder.missed) == (0, 0)
-    assert bench.read(dut.packets_o) == len(got)
-    of_kind = packet.check(dut, got, sources, counters, packet.parameters(dut))
+    assert told(dut)["packets"] == len(got)
+    of_kind = packet.check(dut, got, sources, counters, parameters(dut))
     assert set(of_kind) == {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC, p.ANSWER}
     assert len(of_kind[p.SLIP]) > 5 and len(of_kind[p.HEALTH]) > 2
-    assert bench.read(dut.image_dropped_o) > 0
+    assert told(dut)["image_dropped"] > 0
     answers = [tuple(q.fields.values()) for q in of_kind[p.ANSWER]]
     absent = [address ^ 0x5A5A0000 for address in (0x804, 0)]
     assert answers == [
@@ -79,10 +147,10 @@ async def full_load_and_registers(dut):
         (3, BUS_ERROR, 0x804, absent[0]),
         (4, DONE, 0, absent[1]),
     ]
-    assert bench.read(dut.rejected_o) == 0
+    assert told(dut)["rejected"] == 0
 
 
-@bench.applies(lambda dut: dut.Uart.value.to_unsigned())
+@bench.applies(has_line)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def commands_of_every_bit_on_a_quiet_line(dut):
     """Writes and reads, errors, a bus that does not answer, and a corrupted command."""
@@ -114,10 +182,10 @@ async def commands_of_every_bit_on_a_quiet_line(dut):
         (1, BUS_ERROR, 0xBFC, 0xBFC ^ 0x5A5A0000),
         (3, DONE, 0, 0x5A5A0000),
     ]
-    assert bench.read(dut.rejected_o) == 1
+    assert told(dut)["rejected"] == 1
 
 
-@bench.applies(lambda dut: dut.Uart.value.to_unsigned())
+@bench.applies(has_line)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def first_edge_of_an_event(dut):
     """The idle line falls 4 clocks after the event was taken, and the packet follows without a gap."""
@@ -126,7 +194,7 @@ async def first_edge_of_an_event(dut):
     for _ in range(3):
         slip.sent.clear()
         slip.rate, line = 1, []
-        number = bench.read(dut.packets_o)
+        count = told(dut)["packets"]
         for clock in range(1400):
             slip.before(0)
             await bench.ReadOnly()
@@ -135,13 +203,13 @@ async def first_edge_of_an_event(dut):
             slip.rate = 0
             await bench.RisingEdge(dut.clk_i)
             if clock == 0:
-                dut.slip_valid_i.value = 0
+                dut.decision_valid_i.value = 0
         assert line.index(0) == 4
-        expected = line_of([p.packet(p.SLIP, number, *slip.sent[0])], CLK, BAUD)
+        expected = line_of([p.packet(p.SLIP, count, *slip.sent[0])], CLK, BAUD)
         assert line[4 : 4 + len(expected)] == expected
 
 
-@bench.applies(lambda dut: not dut.Uart.value.to_unsigned())
+@bench.applies(lambda dut: not number(dut, "Uart"))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.7])
 async def without_a_line_packets_are_bytes(dut, rate):
@@ -162,19 +230,19 @@ async def without_a_line_packets_are_bytes(dut, rate):
     while test.bytes:  # a statistic is still being sent
         await test.run(1, quiet=True)
     watching.cancel()
-    of_kind = packet.check(dut, test.decoded(), sources, counters, packet.parameters(dut))
+    of_kind = packet.check(dut, test.decoded(), sources, counters, parameters(dut))
     assert set(of_kind) == {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC}
-    assert bench.read(dut.packets_o) == len(test.packets) > 20
-    assert bench.read(dut.rejected_o) == 0
+    assert told(dut)["packets"] == len(test.packets) > 20 and told(dut)["rejected"] == 0
 
 
+@bench.applies(whole)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def without_a_line_the_bus_is_the_hosts(dut):
     """Both directions pass in the same clock; in a build with a line the host's side does nothing."""
     rng = np.random.default_rng(bench.SEED)
     await begin(dut, {})
     uart = dut.Uart.value.to_unsigned()
-    widths = {"valid": 1, "write": 1, "address": 12, "wdata": 32, "strobe": 4}
+    widths = BUS
     for _ in range(50):
         asked = {name: int(rng.integers(1 << width)) for name, width in widths.items()}
         answer = {
@@ -188,10 +256,82 @@ async def without_a_line_the_bus_is_the_hosts(dut):
             getattr(dut, f"bus_{name}_i").value = value
         await bench.ReadOnly()
         got = {name: bench.read(getattr(dut, f"bus_{name}_o")) for name in widths}
-        told = {name: bench.read(getattr(dut, f"host_{name}_o")) for name in answer}
-        assert told == (dict.fromkeys(answer, 0) if uart else answer)
+        host = {name: bench.read(getattr(dut, f"host_{name}_o")) for name in answer}
+        assert host == (dict.fromkeys(answer, 0) if uart else answer)
         assert got["valid"] == 0 if uart else got == asked
         await bench.RisingEdge(dut.clk_i)
+
+
+async def pulse(dut, **inputs):
+    for name, value in inputs.items():
+        getattr(dut, f"{name}_i").value = value
+    await RisingEdge(dut.clk_i)
+    for name in inputs:
+        if name.endswith("valid"):
+            getattr(dut, f"{name}_i").value = 0
+
+
+@bench.applies(lambda dut: not number(dut, "Uart"))
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def an_event_is_raised_and_takes_its_turn(dut):
+    """A decision without a raised event is taken immediately and not sent; an event waits while the queue is
+    full."""
+    stalled = False
+    test, *_ = await begin(dut, {}, lambda: not stalled)
+    dut.decision_valid_i.value, dut.decision_i.value = 1, members.word("decision", {"state": 1, "p2p": 7})
+    for _ in range(20):
+        await ReadOnly()
+        assert dut.decision_ready_o.value == 1
+        await RisingEdge(dut.clk_i)
+    dut.out_ready_i.value = 0
+    dut.decision_i.value = members.word("decision", {"raised": 1, "state": 2, "p2p": 7, "id": 9})
+    taken = 0
+    for _ in range(60):
+        await ReadOnly()
+        taken += dut.decision_ready_o.value == 1
+        await RisingEdge(dut.clk_i)
+    dut.decision_i.value = members.word("decision", {"state": 1, "p2p": 7})
+    await ReadOnly()
+    assert dut.decision_ready_o.value == 1
+    await RisingEdge(dut.clk_i)
+    dut.decision_valid_i.value = 0
+    assert number(dut, "SlipDepth") <= taken < 60
+    await test.run(80 * taken)
+    slips = [q.payload for q in test.decoded() if q.kind == p.SLIP]
+    assert slips == [bytes.fromhex("0900 070000 02")] * taken
+
+
+@bench.applies(lambda dut: number(dut, "SlipOnly"))
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def the_small_link_sends_an_event_alone(dut):
+    await begin(dut, {})
+    await pulse(dut, cop_valid=1, health_valid=1, image_valid=1, image_last=1)
+    dut.convert_i.value = 1
+    await RisingEdge(dut.clk_i)
+    dut.convert_i.value, dut.decision_valid_i.value = 0, 1
+    dut.decision_i.value = members.word("decision", {"raised": 1, "last": 1, "state": 2, "p2p": 300})
+    levels = []
+    for _ in range(3000):
+        await ReadOnly()
+        levels.append(bench.read(dut.tx_o))
+        taken = dut.decision_ready_o.value == 1
+        await RisingEdge(dut.clk_i)
+        if taken:
+            dut.decision_valid_i.value = 0
+    # 8 clocks a bit, 10 bits a byte; 18 bytes, the first COBS code, and a zero before and after.
+    starts, clock = [], 0
+    while clock < len(levels):
+        if levels[clock] == 0:
+            starts.append(clock)
+            clock += 8 * 10 - 4
+        clock += 1
+    data = bytes(sum(levels[at + 4 + 8 * (bit + 1)] << bit for bit in range(8)) for at in starts)
+    assert len(data) == 21 and (data[0], data[-1]) == (0, 0)
+    assert (bench.read(dut.status_o), bench.read(dut.health_ready_o), bench.read(dut.bus_valid_o)) == (
+        0,
+        0,
+        0,
+    )
 
 
 EVIDENCE = {
@@ -212,19 +352,16 @@ EVIDENCE = {
 }
 
 
-@pytest.mark.parametrize("uart", [1, 0])
-def test_link(uart):
-    build = {
-        "ClkHz": CLK,
-        "BaudHz": BAUD,
-        "TimeoutClocks": 500,
-        "SlipDepth": 4,
-        "Statistics": 3,
-        "StatisticBits": 12 if uart else 10,
-        "Taxels": TAXELS,
-        "Chunk": CHUNK,
-    }
-    bench.run("link", "link", build | {"Uart": uart})
+WHOLE = {"ClkKhz": CLK // 1000, "BaudHz": BAUD, "TimeoutClocks": 500, "SlipDepth": 4, "Taxels": TAXELS}
+WHOLE |= {"Chunk": CHUNK}
+LINE = WHOLE | {"Uart": 1, "StatisticBits": 12, "Array": 1}
+BYTES = WHOLE | {"Uart": 0, "StatisticBits": 10}
+SMALL = {"ClkKhz": 4000, "BaudHz": 500_000, "SlipOnly": 1, "Registers": 0, "DetailBits": 14}
+
+
+@pytest.mark.parametrize("build", [LINE, BYTES, SMALL], ids=["line", "bytes", "small"])
+def test_link(build):
+    bench.run("link", "link", build)
 
 
 @pytest.mark.parametrize("count", [1, 5])

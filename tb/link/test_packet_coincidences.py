@@ -9,6 +9,7 @@ import zlib
 import cocotb
 
 import bench
+import members
 
 DEPTH, COUNTERS, TAXELS, CHUNK, PERIOD = 4, 3, 6, 4, 1 << 10
 TYPES = {
@@ -82,19 +83,17 @@ class Talk:
         dut = self.dut
         getattr(dut, f"{kind}_valid_i").value = 1
         if kind == "slip":
-            dut.slip_id_i.value, dut.slip_p2p_i.value = 0x0102 + number, 0x030405 + number
-            dut.slip_state_i.value, dut.slip_time_i.value = 2 + number % 2, 0x060708090A0B + number
+            event = {"id": 0x0102 + number, "p2p": 0x030405 + number, "state": 2 + number % 2}
+            dut.slip_i.value = members.word("decision", event)
+            dut.slip_time_i.value = 0x060708090A0B + number
         elif kind == "answer":
             dut.answer_data_i.value = 0x0102_0304_0506_0708 + number
         elif kind == "cop":
-            dut.cop_x_i.value, dut.cop_y_i.value, dut.cop_load_i.value = (
-                0x0A0B0C + number,
-                0xF0E0D0,
-                0x1122334455,
-            )
-            dut.cop_pressed_i.value, dut.cop_time_i.value = 1, 0x0C0D0E0F1011 + number
+            cop = {"x": 0x0A0B0C + number, "y": 0xF0E0D0, "load": 0x1122334455, "pressed": 1}
+            dut.cop_i.value = members.word("cop", cop)
+            dut.cop_time_i.value = 0x0C0D0E0F1011 + number
         elif kind == "health":
-            dut.health_id_i.value, dut.health_faults_i.value = 0x161718 + number, 5
+            dut.health_i.value = members.word("health", {"id": 0x161718 + number, "faults": 5})
         else:
             image, taxel = number
             dut.image_data_i.value, dut.image_last_i.value = (

@@ -2,6 +2,7 @@
 planted defects: a state machine that never recovers, a frame whose damage is not reported."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -97,16 +98,17 @@ def test_a_setting_is_put_at_its_bits_of_the_struct():
 
 
 def test_an_undetected_fault_breaks_the_limit_unless_it_is_named(monkeypatch):
-    """With the other bit of the register named, and with a name of another block's, it does."""
+    """With another bit, register or block named, it does; a register of one bit has no number."""
     upset = faults.Result("bit", "level.3", 9, "silent", "")
-    monkeypatch.setattr(faults, "inject", lambda *_: [upset])
-    for block, register, bit, within in (
-        ("skid", "level", 3, True),
-        ("skid", "level", "any", True),
-        ("skid", "level", 2, False),
-        ("skid", "leve", 3, False),
-        ("fork", "level", 3, False),
+    for where, block, register, bit, within in (
+        ("level.3", "skid", "level", 3, True),
+        ("level.3", "skid", "level", "any", True),
+        ("level.3", "skid", "level", 2, False),
+        ("level.3", "skid", "leve", 3, False),
+        ("level.3", "fork", "level", 3, False),
+        ("u_in.held", "skid", "u_in.held", 0, True),
     ):
+        monkeypatch.setattr(faults, "inject", lambda *_, where=where: [replace(upset, where=where)])
         row = {"block": block, "register": register, "bit": bit, "reason": "none"}
         found = faults.run("skid", Limits({"faults": {"undetected": [row]}}))
         assert (found["broken"] == []) == within, row

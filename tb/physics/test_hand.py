@@ -415,20 +415,20 @@ def test_every_scene_has_its_settings_in_counts(name):
 def test_the_threshold_is_a_share_of_what_an_event_makes_in_volts():
     """Vc (1 - Vc/5): 0.8 V at 1 V, 1.1375 at 1.75, 1.25 at 2.5; p2p in codes of 5/4096 V: 2 sqrt(2) times."""
     scene = scenes.load("grip_pour")
-    scene = replace(scene, slip=scene.slip | {"threshold_share": 0.0088})
+    scene = replace(scene, slip=scene.slip | {"threshold_p2p_share": 0.0176})
     vc_v = np.array([1.0, 1.75, 2.5, 4.99])
-    free, fixed = scene.conditions[0], replace(scene.conditions[0], threshold_v=0.01)
-    assert [scene.threshold_v(free, v) for v in vc_v[:3]] == pytest.approx([0.00704, 0.01001, 0.011])
+    free, fixed = scene.conditions[0], replace(scene.conditions[0], threshold_p2p_v=0.02)
+    assert [scene.threshold_p2p_v(free, v) for v in vc_v[:3]] == pytest.approx([0.01408, 0.02002, 0.022])
     assert scene.threshold(free, vc_v).tolist() == [16, 23, 25, 1]
     assert scene.threshold(fixed, vc_v).tolist() == [23] * 4
-    without = replace(scene, slip=scene.slip | {"threshold_share": 0.0})
+    without = replace(scene, slip=scene.slip | {"threshold_p2p_share": 0.0})
     assert without.threshold(free, vc_v).tolist() == [23] * 4
 
 
 def test_the_threshold_follows_vc_once_a_second():
     """Read from the trace: the threshold of a second follows from the Vc just before it."""
     scene = short(seconds=4.0)
-    scene = replace(scene, slip=scene.slip | {"threshold_share": 0.02})
+    scene = replace(scene, slip=scene.slip | {"threshold_p2p_share": 0.04})
     trace = loop.hold(scene, scene.conditions[0], [2], (loop.FixedSlip, Grip)).trace
     changes = np.flatnonzero(np.diff(trace.threshold_v)) + 1
     assert len(changes) and set(changes) <= {100, 200, 300} and trace.load_n[-1] > 1.3 * trace.load_n[0]
@@ -446,7 +446,7 @@ def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():
     never_calm = scene.grip | {"calm_share": 0.0}
     scene = replace(scene, world=scene.world | {"hold_from_s": 0.5}, grip=never_calm)
     for number, counts, cycles in ((0, 2, 100), (2, 1, 1000)):
-        condition = replace(scene.conditions[number], duration_s=1.0, threshold_v=5.0)
+        condition = replace(scene.conditions[number], duration_s=1.0, threshold_p2p_v=5.0)
         alone = replace(scene, conditions=(condition,))
         trace = loop.hold(alone, condition, [2], (loop.FixedSlip, Grip)).trace
         assert set(np.diff(trace.command)) == {-counts} and len(trace.command) == cycles

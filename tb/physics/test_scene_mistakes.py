@@ -63,8 +63,8 @@ MISTAKES = {
         mesh: rows = 0; r_ohm = -1.0; R0_ohm = 0
         converter: gain = 1.0
         load: min_n = nan
-        slip: lag_s = 0.0 (lag); lag_s = 5.0 (lag); drop = 1.0 | -0.1 | nan; move = 3.0
-        slip: min_load_n = 66.0 (min_load); hold_s = -1.0; refractory = 1.0
+        cop_slip: lag_ms = 0.0; lag_ms = 5000.0 (lag); drop = 1.0 | -0.1 | nan; move = 3.0
+        cop_slip: min_load_n = 66.0; hold_ms = -1.0; refractory = 1.0
         world: wire_n_mm = 0.0; cover_pitches = -1.0; pulls = []; grips = 5
         world.pulls.0: grip_n = -2.0 | nan; speed_mm_s = 0.0; direction_deg = 400.0; material = "ice"
         world.grips.0: to_n = [-1.0]; to_n = []; ramp_s = 0.0
@@ -72,7 +72,8 @@ MISTAKES = {
     "acrylic_slip": """
         .: sensors = "rubber"; sensor = "skin"; adc = "MCP"; rate_hz = "fast"; seeds = 0
         .: features = ["slip", "taste"] (taste); -title
-        slip: treshold_v = 0.01; window = 48; threshold_v = -1.0; contact_v = 4.9; hold_s = true
+        slip: treshold_p2p_v = 0.02; window = 48; threshold_p2p_v = -1.0; contact_level_v = 4.9
+        slip: hold_ms = true
         world: kind = "twist"; press = 1.0; stage_start_s = 0.4; slide_s = nan; conditions = []
         world.conditions.0: normal_n = -2.0; material = "ice"; mass = 1.0
     """,
@@ -83,7 +84,7 @@ MISTAKES = {
     "normal_force": "world.conditions.0: first_event = 0.5",
     "grip_release": """
         .: rate_hz = 12345
-        slip: window = 63; threshold_share = 1.5
+        slip: window = 63; threshold_p2p_share = 1.5
         grip: rule = "loudest"; step_mm = 7.0 (step); decay_mm_s = 0.002; least_mm = 6.5 (minimum)
         world.conditions.2: count_mm = 0.0001 (decay_mm_s); count_mm = 0.0002
         world: material = "glass"; grip_ratio = [0.9, 1.2]; tugs = [[1.0, 2.0]]; hold_from_s = 300.0

@@ -145,7 +145,7 @@ IMPORTS = {
     "cop_two_point": _MESH,
     "cop_slip": f"grip plate rubber {_MESH} cop.cop_slip",
     "walk_25x5": _TAXELS,
-    "fsr_3x3": f"fsr {_TAXELS} frontend.calibrate_taxels frontend.calibration_table",
+    "fsr_3x3": f"fsr {_TAXELS} frontend.calibrate",
     "capacitive_crosstalk": "capacitive footprints mesh_loads / frontend.am_demod",
 }
 RUN = """

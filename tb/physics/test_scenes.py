@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 import pywt
+from msgspec import structs
 from scipy import signal
 
 from meissner import scenes
@@ -223,7 +224,7 @@ def test_pressing_raises_no_flag(name, condition):
 @pytest.mark.parametrize("part", PARTS)
 def test_the_integer_threshold_decides_as_the_real_one(part, level):
     scene = scenes.load("acrylic_slip")
-    slip = dataclasses.replace(scene.slip, level=level)
+    slip = structs.replace(scene.slip, level=level)
     scene = dataclasses.replace(scene, adc_part=part, slip=slip)
     config = scene.slip_config()
     codes = np.arange(4000)
@@ -232,8 +233,8 @@ def test_the_integer_threshold_decides_as_the_real_one(part, level):
     assert not config.contact_rises
     assert config.contact_level < config.release_level
     step = 1 << level
-    assert config.hold == round(slip.hold_s * 10_000 / step)
-    assert config.contact_level / step == pytest.approx(scene.adc.code_of(slip.contact_v), abs=0.5)
+    assert config.hold == round(slip.hold_ms * 10 / step)
+    assert config.contact_level / step == pytest.approx(scene.adc.code_of(slip.contact_level_v), abs=0.5)
 
 
 def test_an_unknown_scene_or_condition_gets_one_sentence():

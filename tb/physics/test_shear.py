@@ -292,8 +292,8 @@ def test_a_lot_must_stay_below_the_supply(lot, fits):
 
 def test_slip_settings_are_refused_as_in_the_slip_scenes():
     table = changed("stick_slip")
-    table["slip"]["keep_threshold_v"] = 0.02
-    with pytest.raises(ValueError, match=r"keep_threshold_v"):
+    table["slip"]["keep_threshold_p2p_v"] = 0.04
+    with pytest.raises(ValueError, match=r"\[slip\]: keep_threshold_p2p_v"):
         scenes.build("stick_slip", table)
     ours, theirs = scenes.load("stick_slip"), scenes.load("acrylic_slip")
     assert ours.slip == theirs.slip and ours.slip_config() == theirs.slip_config()

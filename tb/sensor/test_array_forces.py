@@ -1,6 +1,7 @@
-"""msn_array_forces against its model, with all stages and without any, per taxel and by row and column, one to
-eight lanes: forces taxel by taxel, centres of pressure, reports and counts, of complete and damaged frames, with
-gaps and stalls; commands to the stages between two frames; the clocks of every frame; the minimum load; resets."""
+"""msn_array_forces against its model, with all stages and without any, per taxel and by row and column, one
+to eight lanes: forces taxel by taxel, centres of pressure, reports and counts, of complete and damaged
+frames, with gaps and stalls; commands to the stages between two frames; the clocks of every frame; the
+minimum load; resets."""
 
 import random
 
@@ -56,7 +57,7 @@ class Line:
     async def begin(self, dut, stall=0.0):
         self.dut, self.twin, self.rng = dut, twin_of(dut), np.random.default_rng(bench.SEED)
         self.draw, self.taxels, self.cops, self.faults = random.Random(bench.SEED), [], [], []
-        self.expected = [], [], []
+        self.expected, self.due, self.told = ([], [], []), {}, {}  # faults by taxel: due, reported
         self.stall = bench.pauses(stall, "samples")
         twin = self.twin
         self.row_beats = -(-twin.columns // twin.lanes)
@@ -174,7 +175,13 @@ class Line:
         else:
             assert self.taxels == []
         assert self.cops == cops
-        assert self.faults == faults
+        # An event that meets a report being split is offered again in the next frame: the order is not the
+        # twin's, and the last ones may come with the next beats.
+        for taxel, kinds in faults:
+            self.due[taxel] = self.due.get(taxel, 0) | kinds
+        for taxel, kinds in self.faults:
+            assert kinds and kinds & ~self.due.get(taxel, 0) == 0, (taxel, kinds)
+            self.told[taxel] = self.told.get(taxel, 0) | kinds
         self.counted()
 
     def counted(self):
@@ -238,6 +245,8 @@ async def matches_model(dut, stall_rate):
             if twin.tare:
                 twin.tare.load(False)
     assert twin.damaged or not small(dut)
+    await line.agrees(line.frames(4))
+    assert line.told == line.due and bool(line.due) == bool(twin.health)
     if twin.health and small(dut):
         assert twin.health.railed
     if twin.tare:
@@ -246,8 +255,8 @@ async def matches_model(dut, stall_rate):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def the_first_tare_begins_with_the_preset_gains(dut):
-    """With at_start, in spite of a contact, when the preset gains are in use; a write by the host until then is
-    lost."""
+    """With at_start, in spite of a contact, when the preset gains are in use; a write by the host until then
+    is lost."""
     line = await Line().begin(dut)
     line.settings.put(tare_at_start=1)
     await bench.reset(dut)
@@ -283,8 +292,8 @@ async def a_load_counts_from_the_gate_on(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
-    """Each frame alone: from its last beat to its centre of pressure, the same in every frame. With Tap a beat
-    comes when the previous one's taxels have left."""
+    """Each frame alone: from its last beat to its centre of pressure, the same in every frame. With Tap a
+    beat comes when the previous one's taxels have left."""
     line = await Line().begin(dut)
     twin, beats = line.twin, line.frames(3)
     stated = sum(twin.steps.values())

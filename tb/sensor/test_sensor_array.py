@@ -1,10 +1,9 @@
 """msn_sensor_array with frames on the stream: forces one by one, centres of pressure, health and counters are
 the twin's, with settings through the struct; a frame's time is that of its first beat. At the pins:
-tb/cop/test_array.py and tb/core.
+test_array_pins.py and tb/core.
 """
 
 import random
-from dataclasses import asdict
 
 import cocotb
 import numpy as np
@@ -13,8 +12,10 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
+from meissner.twins.frontend.adc_spi import MAX11125, MCP3208
 from meissner.twins.frontend.health import Limits
 from meissner.twins.sensor.sensor_array import from_reset, sensor_array
+from sensor import array_by_hand
 
 ROWS, COLUMNS, LANES = 3, 4, 2
 LIMITS = Limits(
@@ -29,16 +30,14 @@ def number(dut, name):
 
 
 def settings(whole):
-    limits = {f"health_{name}": value for name, value in asdict(LIMITS).items()}
-    limits["health_use_user"] = int(limits.pop("health_over_range_enable"))
-    limits["health_use_edges"] = int(limits.pop("health_edges"))
+    limits = {f"health_{name}": value for name, value in members.limits(LIMITS).items()}
     tare = {"tare_contact": 50, "tare_step": 3, "tare_at_start": 1}
     return limits | tare | {"calibrate_preset": GAIN, "cop_min_load": LEAST[whole]}
 
 
 def twin_of(dut):
     class Size:
-        rows, columns, lanes, sample_bits = ROWS, COLUMNS, LANES, 17
+        rows, columns, lanes = ROWS, COLUMNS, LANES
 
     whole = bool(number(dut, "Health"))
     tare = TARE | {"tare_log2": number(dut, "TareLog2")} if whole else None
@@ -55,6 +54,7 @@ def samples():
     return found
 
 
+@bench.applies(lambda dut: not number(dut, "Adc"))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(pace=[(0.0, 0.0, 0), (0.3, 0.4, 5), (0.0, 0.0, 60)])
 async def everything_is_the_models(dut, pace):
@@ -122,15 +122,65 @@ async def everything_is_the_models(dut, pace):
     assert status == {}
 
 
+@bench.applies(lambda dut: number(dut, "Adc"))
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def frames_of_a_scan_have_their_first_convert_start(dut):
+    """The stream is ignored. The data line is high: codes of all ones, as a carrier without amplitude."""
+    names = "now pending busy adc_busy in_data in_id in_last"
+    settings = members.Settings(dut, "cfg", scan_settle=5, calibrate_preset=4096)
+    given = {f"{name}_i": 0 for name in names.split()} | {"adc_miso_i": 1, "in_valid_i": 1}
+    await bench.start(dut, sample_ready_i=1, health_ready_i=1, **given)
+    await bench.clocks(dut, 20)
+    settings.put(scan_enable=1)
+    carrier, per_frame = number(dut, "Demod"), 6
+    taxels, converts, clock = [], [], 0
+    while len(taxels) < 3 * per_frame:
+        clock += 1
+        dut.now_i.value = 7 * clock
+        await ReadOnly()
+        assert bench.read(dut.in_ready_o) == 0
+        if bench.read(dut.convert_o):
+            converts.append(7 * clock)
+        if bench.read(dut.sample_valid_o):
+            sample = [bench.read(getattr(dut, f"sample_{name}_o")) for name in ("data", "id", "last")]
+            taxels.append((*sample, bench.read(dut.time_o)))
+        await RisingEdge(dut.clk_i)
+    value = 0 if carrier else 4095
+    assert [taxel[:3] for taxel in taxels] == [(value, n, int(n == 5)) for n in range(per_frame)] * 3
+    early = 7 if carrier else 0  # with a carrier the pin follows a register later
+    times = [taxel[3] + early for taxel in taxels]
+    firsts = times[::per_frame]
+    assert times == [time for time in firsts for _ in range(per_frame)]
+    assert len(set(firsts)) == 3 and set(firsts) <= set(converts) and firsts[0] == converts[0]
+    found = {name: n for name, n in members.of("status", bench.read(dut.status_o)).items() if n}
+    # That part tags its answers: wrong here.
+    assert found.keys() == ({"scan_lost"} if carrier else set()) and found.get("scan_lost", 18) >= 18
+
+
 EVIDENCE = {
-    "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Columns": 2}, "defined": True, "boxes": True, "open": ["reset"]},
+    "mutants": {"sets": [1], "limit": 60, "unsolved": True},
+    "faults": {"size": {"Adc": 1}, "settle": 4, "kept_inside": {"u_calibrate": "calibrate"}},
 }
+WHOLE = {
+    "Rows": ROWS,
+    "Columns": COLUMNS,
+    "Converters": LANES,
+    "Health": 1,
+    "Tare": 1,
+    "TareLog2": 2,
+    "Tap": 1,
+}
+BARE = {"Rows": ROWS, "Columns": COLUMNS, "Converters": LANES, "Tap": 0}
+SCAN = {"Adc": MCP3208.number, "Rows": 2, "Columns": 3, "AdcChannels": 3, "ClkKhz": 16_000, "SclkKhz": 2000}
+CARRIER = {"Adc": MAX11125.number, "Rows": 2, "Columns": 3, "Demod": 1, "AdcChannels": 1, "ClkKhz": 100_000}
+CARRIER |= {"SamplePeriod": 320, "Periods": 2, "Skip": 2, "Shift": 0}
 
 
-@pytest.mark.parametrize(
-    "parameters",
-    [{"Health": 1, "Tare": 1, "TareLog2": 2, "Tap": 1}, {"Health": 0, "Tare": 0, "Tap": 0}],
-    ids=["whole", "bare"],
-)
-def test_sensor_array(parameters):
-    bench.run("sensor", "sensor_array", {"Rows": ROWS, "Columns": COLUMNS, "Converters": LANES} | parameters)
+@pytest.mark.parametrize("build", [WHOLE, BARE, SCAN, CARRIER], ids=["whole", "bare", "scan", "carrier"])
+def test_sensor_array(build):
+    bench.run("sensor", "sensor_array", build)
+
+
+def test_sensor_array_by_hand():
+    bench.run("sensor", "sensor_array", array_by_hand.BUILD, module="array_by_hand")

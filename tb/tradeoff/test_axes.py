@@ -155,14 +155,14 @@ def test_shipped_points_are_the_named_configurations():
     """slip1, cop4 and array64 have the values that the axes call shipped."""
     slip1, four, array = (config.load(name) for name in ("slip1", "cop4", "array64"))
     assert (slip1.slip.level, slip1.slip.window, slip1.slip.hop) == (1, 64, 64)
-    assert (slip1.part.data_bits, slip1.adc["rate_hz"]) == (12, 10000)
+    assert (slip1.part.data_bits, slip1.adc.rate_hz) == (12, 10000)
     shipped = table.named("cop4").shipped
     mesh = four.cop4.mesh
     assert (mesh.m, mesh.r, mesh.R0, four.part.data_bits) == tuple(
         shipped[key] for key in ("side", "r_ohm", "R0_ohm", "bits")
     )
     shipped = table.named("lanes").shipped
-    found = (array.adc["part"].lower(), array.adc["converters"], array.adc["channels"], array.sensor["rows"])
+    found = (array.adc.part.lower(), array.adc.converters, array.adc.channels, array.sensor.rows)
     assert found == tuple(shipped[key] for key in ("adc", "converters", "inputs", "side"))
 
 

@@ -40,7 +40,7 @@ def test_refused_is_refused(subtests, tmp_path):
 
 def test_a_block_is_refused_for_a_block_in_it():
     """By hand: blocks that contain a converter, a packed vector of vectors, or structs as ports."""
-    found = {block: icarus.refused(block, {}) for block in ("acquire", "array", "slip_path", "core_link")}
+    found = {block: icarus.refused(block, {}) for block in ("acquire", "sensor_array", "slip_path", "link")}
     assert [reason.split(":")[0] for reason in found.values()] == [
         *("a parameter that a package's function makes of another package's functions",) * 2,
         "a packed vector of vectors of which a process drives one element and an assignment another",

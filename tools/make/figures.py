@@ -181,8 +181,8 @@ ROWS = {
     ),
     "from_the_converter": Row(
         "the same from the ADC's sampling instant, 10 kHz; worst case: the first sample of a pair crosses",
-        tested("107 µs MCP3208, 106 µs AD7606 (2 lanes, 8 channels)", "tb/slip/test_channels.py"),
-        "`pytest tb/slip/test_channels.py`",
+        tested("107 µs MCP3208, 106 µs AD7606 (2 lanes, 8 channels)", "tb/core/test_latency.py"),
+        "`pytest tb/core/test_latency.py`",
     ),
     "jitter": Row(
         "jitter of convert start and of the decision", jitter, "`meissner run acrylic_slip --engine rtl`"

@@ -23,7 +23,7 @@ from threading import Lock
 
 from meissner.builds.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
 from meissner.tradeoff.area import BLOCKS
-from meissner.twins.link.registers import members, struct_word
+from meissner.twins.link.registers import RESET_BITS, members, reset_word, struct_word
 from version import record
 
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees only files below its working directory
@@ -63,60 +63,55 @@ def demod_entries():
 
 
 def cop_entries():
-    """Entries of msn_cop by fraction bits and quotient bits per clock; also pipelined at Q2.14."""
-    for bits, pipelined in ((4, 0), (14, 0), (20, 0), (14, 1)):
+    """Entries of msn_cop by fraction bits and quotient bits per clock."""
+    for bits in (4, 14, 20):
         for per_clock in (1, 2):
             digits = bits + 1 if per_clock == 1 else (bits + 3) // 2
             size = {"Rows": 64, "Columns": 64, "FractionBits": bits, "BitsPerClock": per_clock}
-            name = f"cop-64x64-q{bits}-{'pipe' if pipelined else 'turn'}{per_clock}"
-            targets = "ecp5" if pipelined else "ecp5 up5k"  # the pipelined divider does not fit the UP5K
-            yield name, ("msn_cop", size | {"Pipelined": pipelined}, 3 + digits, targets)
+            yield f"cop-64x64-q{bits}-turn{per_clock}", ("msn_cop", size, 3 + digits, "ecp5 up5k")
 
 
-# One rubber sensor at 12 MHz, with thresholds and times fixed at build time and the counters left open.
+# The slip chain of a core. One rubber sensor at 12 MHz: thresholds and times tied, the counters left open.
+SLIP_TIED = {"cop_valid_i": 0, "cop_i": 0}
 SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
-MCP3208_PINS = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
-SMALLEST = SLIP1 | MCP3208_PINS | {"Serial": 1, "AdcPeriod": 1200}
 SLIP1_SETTINGS = {name: 0 for name in members("slip")} | {
     **{"threshold": 23, "gross_threshold": 200, "keep_threshold": 11, "contact_level": 7000},
     **{"release_level": 7400, "hold": 100, "refractory": 50, "blank": 250},
 }
-SLIP1_TIED = {
-    "cfg_adc_enable_i": 1,
-    "cfg_adc_period_i": 1200,
-    "adc_busy_i": 0,
+SLIP1_TIED = SLIP_TIED | {
     "cfg_i": struct_word("slip", SLIP1_SETTINGS, {"detail": 14, "timer": 10}),
-    "actuator_moving_i": 0,
-    "in_id_i": 0,
+    **dict.fromkeys(("actuator_moving_i", "in_id_i", "in_mask_i"), 0),
     "in_last_i": 1,
-    **dict.fromkeys(("out_id_o", "out_last_o", "out_end_o")),
-    **dict.fromkeys(("adc_reset_o", "dropped_o", "overrun_o", "timeout_o", "mistagged_o", "over_range_o")),
-    **dict.fromkeys(("damaged_o", "blanked_o")),
+    "status_o": None,
 }
-NO_STREAM = {"in_valid_i": 0, "in_data_i": 0, "in_ready_o": None}
-NO_PINS = {"adc_miso_i": 0}
+# The whole core of slip1: from the converter's pins to packets on the line.
+SLIP1_RESETS = {"adc.enable": 1, "adc.period": 1200} | {f"slip.{n}": v for n, v in SLIP1_SETTINGS.items()}
+SLIP1_CORE = SLIP1 | {
+    **{"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "BaudHz": 1000000, "SlipOnly": 1, "Registers": 0},
+    "Resets": f"{RESET_BITS}'h{reset_word(SLIP1_RESETS):x}",
+}
+CORE_TIED = {
+    **dict.fromkeys(
+        ("adc_busy_i", "actuator_moving_i", "in_valid_i", "in_data_i", "in_id_i", "in_last_i"), 0
+    ),
+    **dict.fromkeys(("bus_valid_i", "bus_write_i", "bus_address_i", "bus_wdata_i", "bus_strobe_i"), 0),
+    **{"rx_i": 1, "out_ready_i": 1, "verdict_o": None, "decision_o": None, "in_ready_o": None},
+}
 
 # Name: module, parameters, latency in clocks for the ns figure (or None), targets, tied ports (or nothing).
 ALONE = {"Health": 0, "Tare": 0, "Tap": 0}  # calibration and centre of pressure
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
 TABLE = {
-    "slip-1024": ("msn_channels", {"Channels": 1024}, 6, "ecp5 up5k"),
-    "slip-64": ("msn_channels", {"Channels": 64}, 6, "ecp5 up5k"),
-    "slip-1": ("msn_channels", {"Channels": 1}, 6, "ecp5 up5k"),
-    "slip-64-half": ("msn_channels", {"Channels": 64, "Hop": 32}, 7, "ecp5"),
-    "slip-64-sliding": ("msn_channels", {"Channels": 64, "Hop": 2}, 8, "ecp5"),
-    "slip-1-mcp3208": (
-        "msn_channels",
-        {"Adc": 1, "Channels": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 16},
-        6,
-        "up5k",
-    ),
-    "slip1": ("msn_channels", SMALLEST, 18, "up5k", SLIP1_TIED | NO_STREAM),
-    "slip1-no-p2p": ("msn_channels", SMALLEST, 18, "up5k", SLIP1_TIED | NO_STREAM | {"out_p2p_o": None}),
-    "slip1-adc_spi": ("msn_channels", SMALLEST | {"AdcPeriod": 0}, 18, "up5k", SLIP1_TIED | NO_STREAM),
-    "slip1-parallel": ("msn_channels", SLIP1 | MCP3208_PINS, 6, "up5k", SLIP1_TIED | NO_STREAM),
-    "slip1-path": ("msn_channels", SLIP1 | {"Serial": 1}, 18, "up5k", SLIP1_TIED | NO_PINS),
-    "slip1-path-parallel": ("msn_channels", SLIP1, 6, "up5k", SLIP1_TIED | NO_PINS),
+    "slip-1024": ("msn_slip_chain", {"Channels": 1024}, 6, "ecp5 up5k", SLIP_TIED),
+    "slip-64": ("msn_slip_chain", {"Channels": 64}, 6, "ecp5 up5k", SLIP_TIED),
+    "slip-1": ("msn_slip_chain", {"Channels": 1}, 6, "ecp5 up5k", SLIP_TIED),
+    "slip-64-half": ("msn_slip_chain", {"Channels": 64, "Hop": 32}, 7, "ecp5", SLIP_TIED),
+    "slip-64-sliding": ("msn_slip_chain", {"Channels": 64, "Hop": 2}, 8, "ecp5", SLIP_TIED),
+    "slip1-path": ("msn_slip_chain", SLIP1 | {"Serial": 1}, 18, "up5k", SLIP1_TIED),
+    "slip1-path-parallel": ("msn_slip_chain", SLIP1, 6, "up5k", SLIP1_TIED),
+    "slip1": ("msn_core", SLIP1_CORE | {"Serial": 1, "AdcPeriod": 1200}, None, "up5k", CORE_TIED),
+    "slip1-adc_spi": ("msn_core", SLIP1_CORE | {"Serial": 1}, None, "up5k", CORE_TIED),
+    "slip1-parallel": ("msn_core", SLIP1_CORE, None, "up5k", CORE_TIED),
     **dict(demod_entries()),
     "adc_spi-max11123": (
         "msn_adc_spi",

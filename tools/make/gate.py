@@ -39,7 +39,7 @@ def codes(board, name, seed=1):
     rng = np.random.default_rng(seed)
     top = (1 << config.part.data_bits - config.part.signed) - 1
     array = config.kind == "array"
-    shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
+    shape = config.shape if array else (config.channels,)
     steps = (40 if shape[0] > 8 else 400) if array else 1500
     t = np.arange(steps).reshape(steps, *(1 for _ in shape))
     free, held = (

@@ -89,6 +89,7 @@ def main():
         ),
         ("ruff check", [str(binaries / "ruff"), "check", "--quiet", *PYTHON]),
         ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", *PYTHON]),
+        ("mypy", [str(binaries / "mypy"), "--no-error-summary"]),  # the strict modules of pyproject.toml
     ]
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # more at once wait for each other's memory
         problems += [problem for problem in pool.map(lambda job: run(*job), jobs) if problem]

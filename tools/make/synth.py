@@ -81,7 +81,7 @@ def half_bit(board, config):
     """(ns from the edge that launches a bit to its sampling edge, the converter's share of these ns)."""
     found = board.config(config)
     part, clk_khz = found.part, found.clk_khz
-    clocks = 2 * AdcSpi(part, 1, 1, clk_khz, found.adc["sclk_khz"]).half
+    clocks = 2 * AdcSpi(part, 1, 1, clk_khz, found.adc.sclk_khz).half
     if board.parameters(config).get("AdcPeriod"):  # msn_adc_single
         clocks = 1 << (clocks - 1).bit_length()
     return 1e6 * (clocks - 1) / clk_khz, part.access_ns

@@ -101,7 +101,7 @@ def one(kind, block, out, jobs):
         facts = MODULES[kind].run(block, limits.Limits(), jobs)
     except Exception as error:  # any failure to run breaks the limit
         traceback.print_exc()
-        facts = {"text": "", "broken": [f"could not run: {str(error).strip()[:2000]}"]}
+        facts = {"text": "", "broken": [f"could not run: {str(error).strip()[-2000:]}"]}
     with open(f"{out}.new", "w") as file:
         json.dump(facts, file, default=str)
     os.replace(f"{out}.new", out)

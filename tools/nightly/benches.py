@@ -53,7 +53,9 @@ def blocks():
 
 @cache
 def stage_of(block):
-    path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
+    path = next((path for path in toolchain.sources() if path.stem == f"msn_{block}"), None)
+    if path is None:
+        raise ValueError(f"rtl/rtl.f has no block {block}")
     return "core" if path.parent.name == "rtl" else path.parent.name
 
 

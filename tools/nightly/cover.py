@@ -1,6 +1,6 @@
 """Coverage: which points of a block and of its twin the block's own tests reach.
 
-The tests run in builds with coverage counters (tb/harness/runner.py). The counts are merged by source point over all
+The tests run in builds with coverage counters (tb/harness/runner.py), whose counts are merged over all
 instances and parameter sets; tb/coverage/waivers.toml leaves points out, each with a reason. A point that was
 not reached, a waiver that has no reason, was hit after all or matches nothing, and more waived points than
 tb/limits.toml allows break the limit.

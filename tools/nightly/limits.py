@@ -39,6 +39,8 @@ class Limits:
     def undetected(self, block, where):
         """Whether an undetected upset of the state bit ``where``, "register.bit", is a named exception."""
         register, _, bit = where.rpartition(".")
+        if not bit.isdecimal():  # a register of one bit has no number
+            register, bit = where, "0"
         return any(
             (row["block"], row["register"]) == (block, register) and str(row["bit"]) in ("any", bit)
             for row in self.table["faults"]["undetected"]

@@ -1,4 +1,6 @@
-"""The latency of a scanned array, term by term: the twins' clock counts, measured in tb/sensor/test_array_pins.py."""
+"""The latency of a scanned array, term by term: clock counts of the twins, measured in
+tb/sensor/test_array_pins.py.
+"""
 
 from meissner.budget.terms import table
 from meissner.twins.frontend.adc_spi import PARTS

@@ -11,14 +11,19 @@ import re
 import shutil
 import tempfile
 from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 from meissner.builds import boards
+from meissner.builds.boards import Board
 from meissner.builds.yowasp import ROOT, ToolError, read_rtl, synthesis, tool, yosys
 
 OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 LIMIT_S = 1800  # processor time of one place and route; the longest successful one takes a few hundred
 AREA = ("lut", "ff", "bram", "dsp")
+Report = dict[str, Any]  # nextpnr's, as JSON
 PIN = re.compile(r"adc_(cs_n|sclk|mosi|miso)_")
 
 
@@ -27,7 +32,7 @@ class TooLarge(ToolError):
 
 
 @contextmanager
-def private(name):
+def private(name: str) -> Iterator[str]:
     """A folder for one build, relative to ROOT; at the end it replaces ``OUT``/``name``."""
     out = ROOT / OUT
     out.mkdir(parents=True, exist_ok=True)
@@ -49,7 +54,7 @@ def private(name):
     shutil.rmtree(out / f"{name}.failed", ignore_errors=True)
 
 
-def _replace(fresh, final):
+def _replace(fresh: Path, final: Path) -> None:
     """Replace the folder ``final`` by ``fresh``, one build at a time."""
     with (final.parent / ".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -60,7 +65,7 @@ def _replace(fresh, final):
     shutil.rmtree(old, ignore_errors=True)
 
 
-def synthesise(board, config, folder):
+def synthesise(board: Board, config: str, folder: str) -> "tuple[str, Counter[str]]":
     """Make the netlist for place and route in ``folder``: (stem of its files, cell counts)."""
     boards.write_board(folder, board, config)
     stem = f"{folder}/{board.top}"
@@ -71,11 +76,11 @@ def synthesise(board, config, folder):
     return stem, Counter(cell["type"] for cell in modules[board.top]["cells"].values())
 
 
-def area(board, cells, report):
+def area(board: Board, cells: Mapping[str, int], report: Report) -> dict[str, int]:
     """LUT (iCE40: logic cells), FF, BRAM and DSP; FFs from the netlist, since some reports lack them."""
     counts = {cell: row["used"] for cell, row in report["utilization"].items()}
 
-    def count(short):
+    def count(short: str) -> int:
         return sum(
             n
             for cell, n in (cells if short == "ff" else counts).items()
@@ -85,14 +90,14 @@ def area(board, cells, report):
     return {short: count(short) for short in AREA}
 
 
-def too_large(log):
+def too_large(log: str) -> str:
     """The resources that the design needs more of than the device has, in words; empty if there are none."""
     text = (ROOT / log).read_text() if (ROOT / log).exists() else ""  # no log if the tool is not installed
     rows = re.findall(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)\s", text)
     return ", ".join(f"{used} of {there} {cell}" for cell, used, there in rows if int(used) > int(there))
 
 
-def spi_delays(report):
+def spi_delays(report: Report) -> tuple[float | None, float | None]:
     """ns from the clock to the converter's pins and from these pins to a register; None if not modelled."""
     out, back = [], []
     for net in report["detailed_net_timings"]:
@@ -101,16 +106,25 @@ def spi_delays(report):
                 out.append(max(end["delay"]))
             elif net["event"] == "<async>" and PIN.match(net["driver"]):
                 back.append(max(end["delay"]))
-    return tuple(round(max(way), 1) if way else None for way in (out, back))
+    first, second = (round(max(way), 1) if way else None for way in (out, back))
+    return first, second
 
 
-def label(board, device):
+def label(board: str, device: str | None) -> str:
     return f"{board} {device}" if device else board
 
 
-def place(board, config, device, stem, clk_mhz, seed, limit_s=LIMIT_S):
+def place(
+    board: Board,
+    config: str,
+    device: str | None,
+    stem: str,
+    clk_mhz: float,
+    seed: int,
+    limit_s: int = LIMIT_S,
+) -> Report:
     """Place and route with one seed; returns nextpnr's report. ToolError if it exceeds its time limit."""
-    words = board.pnr.format(stem=stem, device=board.devices.get(device))
+    words = board.pnr.format(stem=stem, device=board.devices.get(device or ""))
     program, *options = words.split()
     report, log = f"{stem}.{seed}.report.json", f"{stem}.{seed}.pnr.log"
     options += ["--json", f"{stem}.json", "--seed", str(seed), "--report", report, "--timing-allow-fail"]
@@ -126,7 +140,15 @@ def place(board, config, device, stem, clk_mhz, seed, limit_s=LIMIT_S):
     return json.loads((ROOT / report).read_text())
 
 
-def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
+def build(
+    board: Board,
+    config: str,
+    device: str | None,
+    folder: str,
+    seeds: Iterable[int],
+    patient: bool,
+    limit_s: int = LIMIT_S,
+) -> dict[str, Any]:
     """Build in ``folder`` with ``seeds``; returns the entry of resources.json for this pair.
 
     ``device``: its name, or None for the board's smallest that fits. ``patient``: place with every seed, all
@@ -134,8 +156,11 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
     """
     clk_mhz = board.parameters(config)["ClkKhz"] / 1000
     stem, cells = synthesise(board, config, folder)
-    mhz, delays, packed, failed = [], [], False, None
-    sizes = [device] if device or not board.devices else [name for name in board.devices if name != "12F"]
+    mhz: list[float] = []
+    delays, packed, failed = [], False, ToolError("there is no seed")
+    sizes: list[str | None] = (
+        [device] if device or not board.devices else [name for name in board.devices if name != "12F"]
+    )
     for seed in seeds:
         try:
             report = _fitting(board, config, sizes, stem, clk_mhz, seed, limit_s)
@@ -168,12 +193,20 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
         **area(board, cells, report),
         "mhz": mhz,
         "mhz_worst": min(mhz),
-        "spi_out_ns": max(out for out, _ in delays) if delays[0][0] else None,
-        "spi_in_ns": max(back for _, back in delays) if delays[0][1] else None,
+        "spi_out_ns": max((out for out, _ in delays if out), default=None),
+        "spi_in_ns": max((back for _, back in delays if back), default=None),
     }
 
 
-def _fitting(board, config, sizes, stem, clk_mhz, seed, limit_s):
+def _fitting(
+    board: Board,
+    config: str,
+    sizes: list[str | None],
+    stem: str,
+    clk_mhz: float,
+    seed: int,
+    limit_s: int,
+) -> Report:
     """nextpnr's report for the first device that the design fits; smaller ones are removed from ``sizes``."""
     while True:
         try:

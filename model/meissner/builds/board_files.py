@@ -4,6 +4,10 @@ top(plan)                 SystemVerilog: the ports, the clock, rtl/boards/msn_bo
 constraints(plan, ".lpf") for nextpnr (.pcf, .lpf, .cst) or Vivado (.xdc)
 """
 
+from collections.abc import Iterator
+
+from meissner.builds.pins import Plan
+
 # Ports of msn_board by the roles of the plan.
 OUTPUTS = {
     "row": "row_o",
@@ -19,7 +23,7 @@ INPUTS = {"miso": "adc_miso_i", "busy": "adc_busy_i", "moving": "moving_i", "rx"
 FLAGS = ("slip", "gross", "touched", "pressed")
 
 
-def top(plan):
+def top(plan: Plan) -> str:
     """The board's top as SystemVerilog."""
     board, roles = plan.board, plan.roles
     name, clock = board.name, board.clock["port"]
@@ -69,7 +73,7 @@ endmodule
 """
 
 
-def _pcf(plan):
+def _pcf(plan: Plan) -> Iterator[str]:
     yield f"set_frequency {plan.board.clock['port']} {plan.board.clock['mhz']:g}"
     for port in plan.ports:
         if port.pull == "down":
@@ -81,7 +85,7 @@ def _pcf(plan):
             yield f"set_io {pull}{bit} {pin}"
 
 
-def _lpf(plan):
+def _lpf(plan: Plan) -> Iterator[str]:
     yield f'FREQUENCY PORT "{plan.board.clock["port"]}" {plan.board.clock["mhz"]:.1f} MHZ;'
     for port in plan.ports:
         pull = f"PULLMODE={port.pull.upper()} " if port.pull else ""
@@ -91,7 +95,7 @@ def _lpf(plan):
             yield f'IOBUF PORT "{bit}" {pull}IO_TYPE=LVCMOS33{drive};'
 
 
-def _cst(plan):
+def _cst(plan: Plan) -> Iterator[str]:
     for port in plan.ports:
         pull = f" PULL_MODE={port.pull.upper()}" if port.pull else ""
         for bit, pin in port.bits:
@@ -99,17 +103,17 @@ def _cst(plan):
             yield f'IO_PORT "{bit}" IO_TYPE=LVCMOS33{pull};'
 
 
-def _xdc(plan):
+def _xdc(plan: Plan) -> Iterator[str]:
     pulls = {"up": " PULLUP TRUE", "down": " PULLDOWN TRUE"}
     clock = plan.board.clock["port"]
     for port in plan.ports:
         for bit, pin in port.bits:
-            pull = pulls.get(port.pull, "")
+            pull = pulls.get(port.pull or "", "")
             yield f"set_property -dict {{PACKAGE_PIN {pin} IOSTANDARD LVCMOS33{pull}}} [get_ports {{{bit}}}]"
     period = 1000 / plan.board.clock["mhz"]
     yield f"create_clock -period {period:.3f} -name {clock} [get_ports {clock}]"
     # Inputs and outputs are synchronised, or slower than 20 MHz with half a period of slack.
-    ways = {"from": [], "to": []}
+    ways: dict[str, list[str]] = {"from": [], "to": []}
     for port in plan.ports:
         if port.role != "clock":
             bits = port.port if len(port.pins) == 1 else f"{port.port}[*]"
@@ -123,7 +127,7 @@ def _xdc(plan):
 FORMATS = {".pcf": _pcf, ".lpf": _lpf, ".cst": _cst, ".xdc": _xdc}
 
 
-def constraints(plan, suffix):
+def constraints(plan: Plan, suffix: str) -> str:
     """The pins in the format of files with this ``suffix``."""
     remark = "//" if suffix == ".cst" else "#"
     head = f"{remark} Written by tools/make/synth.py: the {plan.board.name} with {plan.config}"

@@ -5,9 +5,10 @@ import re
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from meissner.builds import board_files, config, pins
-from meissner.builds.build import verilog
+from meissner.builds.build import Config, verilog
 from meissner.builds.toolchain import ROOT
 
 # Patterns of the cells that count as each resource: nextpnr's names, for flip-flops Yosys's.
@@ -40,43 +41,43 @@ class Board:
     constraints: str
     pack: str
     bitstream: str
-    area: dict
-    configs: dict
-    left_out: dict = field(default_factory=dict)
-    devices: dict = field(default_factory=dict)
+    area: dict[str, str]
+    configs: dict[str, dict[str, Any]]
+    left_out: dict[str, str] = field(default_factory=dict)
+    devices: dict[str, str] = field(default_factory=dict)
 
     @property
-    def top(self):
+    def top(self) -> str:
         return f"{self.name}_top"
 
-    def device(self, name):
+    def device(self, name: str) -> str | None:
         """Name of the smallest device for that configuration; None: there is only one, or it is unknown."""
         return self.changes(name).get("device")
 
-    def plan(self, name):
+    def plan(self, name: str) -> pins.Plan:
         """meissner.builds.pins.Plan; ValueError if the board lacks the pins or the clock."""
         return pins.assign(pins.description(self.name), label(name), self.parameters(name))
 
-    def parameters(self, name):
+    def parameters(self, name: str) -> dict[str, int]:
         """Parameters of rtl/msn_core.sv for this board with that configuration."""
         return self.config(name).parameters
 
-    def changes(self, name):
+    def changes(self, name: str) -> dict[str, Any]:
         """Settings of that configuration that the board determines, not the file; none for a user's file."""
         return self.configs.get(name, {})
 
-    def config(self, name):
+    def config(self, name: str) -> Config:
         """meissner.builds.build.Config of that name, with this board's settings."""
         own = ("mhz", "part", "registers")
         return config.load(name, **{key: v for key, v in self.changes(name).items() if key in own})
 
     @property
-    def sources(self):
+    def sources(self) -> list[str]:
         """Sources besides rtl/rtl.f and the top from write_board, relative to ROOT."""
         return [*COMMON, f"rtl/boards/{self.name}_clock.sv"]
 
 
-def label(name):
+def label(name: str) -> str:
     """Name of a configuration in files and folders: its own, or its file's."""
     if name in config.names():
         return name
@@ -84,7 +85,7 @@ def label(name):
     return f"{stem}.toml" if stem in config.names() else stem  # a user's slip1.toml is not the named one
 
 
-def sizes(parameters):
+def sizes(parameters: dict[str, int]) -> dict[str, int]:
     """The parameters of msn_core that rtl/boards needs, by the names of its macros."""
     converters = parameters.get("Converters", 1)
     return {
@@ -97,7 +98,7 @@ def sizes(parameters):
     }
 
 
-def _write(path, text):
+def _write(path: Path, text: str) -> None:
     """Write a file atomically, because concurrent builds may write the same file."""
     if path.exists() and path.read_text("utf-8") == text:
         return
@@ -107,16 +108,16 @@ def _write(path, text):
     os.replace(fresh.name, path)
 
 
-def write_build(folder, parameters):
+def write_build(folder: str, parameters: dict[str, int]) -> None:
     """Write the configuration as the macros that rtl/boards reads; makes ``folder``, relative to ROOT."""
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
     listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
-    macros = sizes(parameters) | {"PARAMETERS": listed}
+    macros: dict[str, object] = {**sizes(parameters), "PARAMETERS": listed}
     text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
     _write(ROOT / folder / "msn_build.svh", "// Written by meissner.builds.boards.\n" + text)
 
 
-def write_board(folder, board, name):
+def write_board(folder: str, board: Board, name: str) -> pins.Plan:
     """Write a board's files: macros, top, constraints and the pin map; returns the Plan."""
     plan = board.plan(name)
     write_build(folder, board.parameters(name))
@@ -140,7 +141,7 @@ ECP5_PLACE = "nextpnr-ecp5 --placer-heap-timingweight 30"
 ON_BOARD = "MAX11125"
 
 
-def _too_few(there):
+def _too_few(there: int) -> dict[str, str]:
     """Why eight AD7606 do not fit a board with ``there`` header pins; builds.pins counts the pins needed."""
     reason = f"it needs 36 header pins but the board has only {there}"
     return {"array64": reason, "full": reason}
@@ -237,7 +238,7 @@ ARTY = Board(
 )
 
 
-def pairs(board=None, name=None):
+def pairs(board: str | None = None, name: str | None = None) -> list[tuple[Board, str]]:
     """(Board, configuration) of these names, all if none is given; ValueError if one is unknown.
 
     ``name`` may be a TOML file; Board.plan checks whether the board has its pins and its clock.

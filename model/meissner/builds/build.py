@@ -1,149 +1,158 @@
 """A build as derived from its configuration: RTL parameters, register values and units."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from math import ceil
+from typing import Any
 
+from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
 from meissner.builds.stages import STAGES
-from meissner.builds.units import Units, exact
+from meissner.builds.units import Units
 from meissner.physics.cop4_config import Cop4Config
-from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
-from meissner.twins.frontend.adc_spi import AdcSpi
+from meissner.tables import exact, values
+from meissner.twins.cop.cop_slip import CopSlipRegisters
+from meissner.twins.frontend.adc_spi import AdcSpi, Part
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.link import cobs, packet
 from meissner.twins.link.registers import RESET_BITS, reset_word
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 from meissner.twins.slip.slip_path import check_serial
 
-PARTS = {part.name.upper(): part for part in ADC_PARTS.values()}
-
 
 @dataclass(frozen=True)
 class Config:
-    """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: checked tables.
+    """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: tables of its file.
 
-    ``slip``: SlipConfig; ``serial``: the slip path with two bits per clock; ``cop4``: Cop4Config;
-    ``cop_slip``: (lag, CopSlipRegisters); each None (or empty) if the build has none; ``stages``: {name:
-    settings} of meissner.builds.stages. ``clk_khz``, ``rate_hz``: the clock, and frames per second.
+    ``slip``: its settings in codes; ``serial``: the slip path with two bits per clock; ``cop_slip``: (lag,
+    registers); each None (or False) if the build has none; ``stages``: {name: settings} of
+    meissner.builds.stages. ``clk_khz``, ``rate_hz``: the clock, and frames per second.
     """
 
     name: str
     about: str
     clk_khz: int
-    sensor: dict
-    adc: dict
-    link: dict
+    sensor: Channels | Taxels | Electrodes
+    adc: Adc
+    link: Link
     rate_hz: float
     slip: SlipConfig | None = None
     serial: bool = False
-    array: dict = field(default_factory=dict)
-    health: dict = field(default_factory=dict)
-    tare: dict = field(default_factory=dict)
+    array: Array | None = None
+    health: Health | None = None
+    tare: Tare | None = None
     min_load_n: float = 0.0
     cop4: Cop4Config | None = None
-    cop_slip: tuple | None = None
-    stages: dict = field(default_factory=dict)
+    cop_slip: tuple[int, CopSlipRegisters] | None = None
+    stages: dict[str, Any] = field(default_factory=dict)
 
     @property
-    def kind(self):
-        return self.sensor["kind"]
+    def kind(self) -> str:
+        return self.sensor.kind
 
     @property
-    def part(self):
-        """frontend.adc_spi.Part."""
-        return PARTS[self.adc["part"]]
+    def part(self) -> Part:
+        return PARTS[self.adc.part]
 
     @property
-    def channels(self):
-        return 4 if self.kind == "electrodes" else self.sensor.get("channels", 1)
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the array; one row of channels without one."""
+        return (
+            (self.sensor.rows, self.sensor.columns) if isinstance(self.sensor, Taxels) else (1, self.channels)
+        )
 
     @property
-    def sample_bits(self):
+    def channels(self) -> int:
+        """Channels of a converter that single sensors take; 1 for an array."""
+        if isinstance(self.sensor, Channels):
+            return self.sensor.channels
+        return 4 if isinstance(self.sensor, Electrodes) else 1
+
+    @property
+    def sample_bits(self) -> int:
         return 13 if self.serial else SAMPLE_BITS
 
     @property
-    def timer_bits(self):
+    def timer_bits(self) -> int:
         """Timer bits of the slip path; without registers, only as many as its longest time needs."""
-        if self.link["registers"] or self.slip is None:
+        if self.link.registers or self.slip is None:
             return TIMER_BITS
         return max(1, *(t.bit_length() for t in (self.slip.hold, self.slip.refractory, self.slip.blank)))
 
     @property
-    def widths(self):
+    def widths(self) -> dict[str, int]:
         """{name in core.widths: bits in this build}."""
-        taxels = self.sensor["rows"] * self.sensor["columns"] if self.kind == "array" else self.channels
-        array, level = self.array, self.slip.level if self.slip else 1
-        offset = 16 if array.get("gains") == "row_column" and not array["tare"] else 17
-        load = min(32, 16 + (taxels - 1).bit_length())
+        rows, columns = self.shape
+        level = self.slip.level if self.slip else 1
+        summed = self.array is not None and self.array.gains == "row_column" and not self.array.tare
+        load = min(32, 16 + (rows * columns - 1).bit_length())
+        offset = 16 if summed else 17
         return {"detail": self.sample_bits + level, "timer": self.timer_bits, "load": load, "offset": offset}
 
     @property
-    def period_clocks(self):
+    def period_clocks(self) -> int:
         return round(1000 * self.clk_khz / exact(self.rate_hz))
 
     @property
-    def settle_clocks(self):
-        return max(1, ceil(exact(self.adc["settle_us"]) * self.clk_khz / 1000))
+    def _array_adc(self) -> ArrayAdc:
+        assert isinstance(self.adc, ArrayAdc)
+        return self.adc
+
+    @property
+    def settle_clocks(self) -> int:
+        return max(1, ceil(exact(self._array_adc.settle_us) * self.clk_khz / 1000))
 
     @cached_property
-    def scan(self):
+    def scan(self) -> ScanAdc:
         """Twin of the scan, for an array."""
+        adc = self._array_adc
         return ScanAdc(
-            *(self.sensor["rows"], self.sensor["columns"], self.adc["converters"], self.part),
-            *(self.adc["channels"], self.adc["lanes"], self.clk_khz, self.adc["sclk_khz"]),
+            *(*self.shape, adc.converters, self.part),
+            *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz),
         )
 
     @cached_property
-    def converter(self):
+    def converter(self) -> AdcSpi:
         """Twin of a converter with its channels; those of an array work in parallel."""
-        if self.kind == "array":
-            return self.scan.adc
-        sizes = (self.part, self.channels, self.adc["lanes"], self.clk_khz, self.adc["sclk_khz"])
+        if self.array:
+            return self.scan.adc  # type: ignore[attr-defined]
+        sizes = (self.part, self.channels, self.adc.lanes, self.clk_khz, self.adc.sclk_khz)
         return AdcSpi(*sizes, self.sample_bits)
 
     @property
-    def volts_per_code(self):
-        return self.adc["volts"] / (1 << self.part.data_bits - self.part.signed)
+    def volts_per_code(self) -> float:
+        return self.adc.volts / (1 << self.part.data_bits - self.part.signed)
 
     @property
-    def units(self):
-        """host.units.Units of this build's codes."""
-        if self.kind == "array":
-            return Units(
-                clk_khz=self.clk_khz,
-                rows=self.sensor["rows"],
-                columns=self.sensor["columns"],
-                level=self.slip.level if self.slip else 1,
-                rate_hz=self.rate_hz,
-                volts_of=None,
-                newtons_per_code=self.array["newtons_per_count"],
-                pitch_mm=self.array["pitch_mm"],
-            )
-        load = self.cop4.load_lsb_n if self.cop4 else None
-        return Units(
+    def units(self) -> Units:
+        """Units of this build's codes."""
+        rows, columns = self.shape
+        known = Units(
             clk_khz=self.clk_khz,
-            rows=1,
-            columns=self.channels,
-            volts_per_code=self.volts_per_code,
+            rows=rows,
+            columns=columns,
             level=self.slip.level if self.slip else 1,
             rate_hz=self.rate_hz,
-            newtons_per_code=load,
         )
+        if self.array:
+            newtons, pitch = self.array.newtons_per_count, self.array.pitch_mm
+            return replace(known, newtons_per_code=newtons, pitch_mm=pitch)
+        load = self.cop4.load_lsb_n if self.cop4 else None
+        return replace(known, volts_per_code=self.volts_per_code, newtons_per_code=load)
 
     @property
-    def settings(self):
+    def settings(self) -> dict[str, int]:
         """{"group.register[.field]": value} of the core after reset."""
-        found = {"link.images": int(self.link["images"])}
-        if self.kind == "array":
+        found = {"link.images": int(self.link.images)}
+        if self.array:
             found |= {"scan.enable": 1, "scan.settle": self.settle_clocks, "scan.period": self.period_clocks}
             found |= {"calibrate.preset": 4096, "cop.min_load": self.units.load_code(self.min_load_n)}
-            if self.array["health"]:
+            if self.health:
                 top = (1 << self.part.data_bits - self.part.signed) - 1
                 low = -top - 1 if self.part.signed else 0
-                found |= {f"health.{key}": value for key, value in self.health.items()}
+                found |= {f"health.{key}": value for key, value in values(self.health).items()}
                 found |= {"health.low": low, "health.high": top}
-            if self.array["tare"]:
-                found |= {"tare.contact": self.tare["contact_codes"], "tare.step": self.tare["step"]}
+            if self.tare:
+                found |= {"tare.contact": self.tare.contact_codes, "tare.step": self.tare.step}
         else:
             found |= {"adc.enable": 1, "adc.period": self.period_clocks}
         if self.slip:
@@ -159,18 +168,18 @@ class Config:
         return found
 
     @property
-    def parameters(self):
-        """Parameters of rtl/msn_core.sv: {name: int}."""
-        array, slip, link = self.kind == "array", self.slip, self.link
-        found = {"Adc": self.part.number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc["sclk_khz"]}
-        found |= {"AdcLanes": self.adc["lanes"], "BaudHz": link["baud"]}
+    def parameters(self) -> dict[str, int]:
+        """Parameters of rtl/msn_core.sv: {name: value}."""
+        array, slip, link = self.array, self.slip, self.link
+        found = {"Adc": self.part.number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc.sclk_khz or 0}
+        found |= {"AdcLanes": self.adc.lanes, "BaudHz": link.baud}
         if array:
-            sizes = {"Rows": self.sensor["rows"], "Columns": self.sensor["columns"]}
-            found |= {"Array": 1, **sizes, "Converters": self.adc["converters"]}
-            found |= {"AdcChannels": self.adc["channels"], "Health": int(self.array["health"])}
-            found |= {"Tare": int(self.array["tare"]), "RowColumn": int(self.array["gains"] == "row_column")}
-            found |= {"GainShift": 24 if self.array["gains"] == "row_column" else 12}
-            found |= {"Image": int(link["images"])}
+            (rows, columns), adc = self.shape, self._array_adc
+            found |= {"Array": 1, "Rows": rows, "Columns": columns, "Converters": adc.converters}
+            found |= {"AdcChannels": adc.channels, "Health": int(array.health)}
+            found |= {"Tare": int(array.tare), "RowColumn": int(array.gains == "row_column")}
+            found |= {"GainShift": 24 if array.gains == "row_column" else 12}
+            found |= {"Image": int(link.images)}
         else:
             found |= {"Channels": self.channels}
         found |= {"Slip": int(slip is not None)}
@@ -178,24 +187,20 @@ class Config:
             found |= {"Level": slip.level, "Window": slip.window, "Hop": slip.hop}
             found |= {"TimerBits": self.timer_bits, "SampleBits": self.sample_bits}
         if self.serial:
-            found |= {"Serial": 1, "AdcPeriod": self.period_clocks if self.adc["part"] == "MCP3208" else 0}
+            found |= {"Serial": 1, "AdcPeriod": self.period_clocks if self.adc.part == "MCP3208" else 0}
         if self.cop4:
             found |= {"Cop4": 1, "Correct": int(self.cop4.terms is not None)}
             found |= {"CopSlip": int(self.cop_slip is not None)}
             found |= {"Lag": self.cop_slip[0]} if self.cop_slip else {}
         for name in self.stages:
             found |= STAGES[name].PARAMETERS
-        flags = {
-            "Registers": link["registers"],
-            "Statistics": link["statistics"],
-            "SlipOnly": link["slip_only"],
-        }
-        found |= {name: int(value) for name, value in flags.items()}
+        found |= {"Registers": int(link.registers), "Statistics": int(link.statistics)}
+        found |= {"SlipOnly": int(link.slip_only)}
         return found | {"Resets": reset_word(self.settings)}
 
-    def check(self):
+    def check(self) -> "Config":
         """This Config; ValueError if its numbers do not fit together."""
-        if self.kind == "array":
+        if self.array:
             needed = self.scan.latency(self.settle_clocks)["frame"]
             what = "a scan"
         else:
@@ -207,24 +212,24 @@ class Config:
                 f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, "
                 f"so at most {most:.0f} Hz"
             )
-        longest = (1 << (32 if self.kind == "array" else 24)) - 1
+        longest = (1 << (32 if self.array else 24)) - 1
         if self.period_clocks > longest:
             least = 1000 * self.clk_khz / longest
             raise ValueError(
                 f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
                 f"so at least {least:.3g} Hz"
             )
-        if self.kind == "array" and self.array["health"] and self.sensor["columns"] % self.adc["converters"]:
+        if self.health and self.shape[1] % self._array_adc.converters:
             raise ValueError(
-                f"[sensor]: columns = {self.sensor['columns']} must be a multiple of the "
-                f"{self.adc['converters']} converters for health"
+                f"[sensor]: columns = {self.shape[1]} must be a multiple of the "
+                f"{self._array_adc.converters} converters for health"
             )
-        if self.kind == "array" and self.settle_clocks > 65535:
+        if self.array and self.settle_clocks > 65535:
             most = 65535 * 1000 / self.clk_khz
             raise ValueError(
-                f"[adc]: settle_us = {self.adc['settle_us']:g} must be at most {most:.1f}, 65535 clocks"
+                f"[adc]: settle_us = {self._array_adc.settle_us:g} must be at most {most:.1f}, 65535 clocks"
             )
-        if self.serial and (self.channels != 1 or self.part.data_bits > 12 or self.link["registers"]):
+        if self.serial and (self.channels != 1 or self.part.data_bits > 12 or self.link.registers):
             raise ValueError(
                 "[slip]: serial must go with one channel of at most 12 bits and registers = false"
             )
@@ -235,38 +240,38 @@ class Config:
                 raise ValueError(f"[slip]: {problem}") from None
         for name in self.stages:
             STAGES[name].check(self)
-        if self.link["slip_only"] and (self.kind != "channels" or self.link["registers"]):
+        if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
-        if self.link["images"] and self.kind != "array":
+        if self.link.images and not self.array:
             raise ValueError("[link]: images must go with an array")
-        if self.link["baud"] * 4 > self.clk_khz * 1000:
+        if self.link.baud * 4 > self.clk_khz * 1000:
             most = self.clk_khz * 250
             raise ValueError(
-                f"[link]: baud = {self.link['baud']} must be at most {most}, a quarter of the clock"
+                f"[link]: baud = {self.link.baud} must be at most {most}, a quarter of the clock"
             )
-        if self.link["images"]:
+        if self.link.images:
             self._images_pass()
         reset_word(self.settings, self.widths)
         return self
 
-    def _images_pass(self):
+    def _images_pass(self) -> None:
         """ValueError if the line has no capacity for one image per second in addition to all CoP frames."""
-        room = self.link["baud"] / 10 - self.rate_hz * line_bytes(packet.cop_frame(0, 0, 0, 0))
-        taxels = self.sensor["rows"] * self.sensor["columns"]
-        image = sum(map(line_bytes, packet.image_chunks(0, [0] * taxels)))
+        room = self.link.baud / 10 - self.rate_hz * line_bytes(packet.cop_frame(0, 0, 0, 0))
+        rows, columns = self.shape
+        image = sum(map(line_bytes, packet.image_chunks(0, [0] * (rows * columns))))
         if room < image:
-            needed = ceil(10 * (image + self.link["baud"] / 10 - room))
+            needed = ceil(10 * (image + self.link.baud / 10 - room))
             raise ValueError(
-                f"[link]: baud = {self.link['baud']} is too slow for images: with {self.rate_hz:g} CoP "
+                f"[link]: baud = {self.link.baud} is too slow for images: with {self.rate_hz:g} CoP "
                 f"frames and one image a second it must be at least {needed}"
             )
 
 
-def line_bytes(payload):
+def line_bytes(payload: bytes) -> int:
     """Bytes on the line for a packet with this payload."""
     return len(cobs.encode(packet.packet(0, 0, 0, payload)))
 
 
-def verilog(parameters):
+def verilog(parameters: dict[str, int]) -> dict[str, str]:
     """The parameters as SystemVerilog literals: Resets has more bits than a plain number can."""
     return {k: f"{RESET_BITS}'h{v:x}" if k == "Resets" else str(v) for k, v in parameters.items()}

@@ -1,40 +1,49 @@
 """The file of ``meissner process cop4``: only the tables of a four-wire sensor, or a build that has them."""
 
-import tomllib
 from pathlib import Path
 
 from meissner.builds import config as builds
 from meissner.builds import four_wires
-from meissner.check import fields
 from meissner.files import check_in
+from meissner.physics.cop4_config import Cop4Config
+from meissner.tables import Table, parse, read
 
 BUILD = {"about", "clock", "sensor", "adc"}  # only in a build's configuration
 
 
-def load(path):
-    """``Cop4Config`` of a TOML file; ValueError with one sentence that names the file and the place.
+class Keys(Table, frozen=True):
+    """The file without a build."""
 
-    ``path``: a file with these tables, or a build with kind = "electrodes", its file or its name
-    (docs/config.md).
+    mesh: four_wires.MeshKeys
+    converter: four_wires.Converter
+    load: four_wires.Load
+
+
+def load(path: str | Path) -> Cop4Config:
+    """The sensor in a TOML file; ValueError with one sentence that names the file and the place.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file with the tables of docs/cop4.md, or a build with kind = "electrodes", its file or its name.
+
+    Returns
+    -------
+    Cop4Config
+        Mesh, converter, load's unit and correction.
     """
     if not Path(path).is_file() and str(path) in builds.names():
         return _of_build(path)
-    path = check_in(path)
-    try:
-        table = tomllib.loads(path.read_text("utf-8"))
-    except RecursionError:
-        raise ValueError(f"{path} is not a configuration: its lists are nested too deeply") from None
-    except ValueError as problem:
-        raise ValueError(f"{path} is not a TOML file: {problem}") from None
-    if not four_wires.TABLES.keys() & table.keys() - {"mesh", "load"} and BUILD & table.keys():
+    path = Path(check_in(path))
+    tables = parse(path, "a configuration")
+    if "converter" not in tables and BUILD & tables.keys():
         return _of_build(path)
-    table = fields(str(path), table, four_wires.TABLES)
-    mesh = four_wires.mesh_table(f"{path}, [mesh]", table["mesh"])
-    return four_wires.config(str(path), mesh, table["converter"], table["load"])
+    keys = read(Keys, tables, str(path))
+    mesh = keys.mesh.mesh(keys.mesh.r_ohm)
+    return four_wires.config(str(path), mesh, keys.converter, keys.load)
 
 
-def _of_build(path):
-    """``Cop4Config`` of a build's configuration."""
+def _of_build(path: str | Path) -> Cop4Config:
     found = builds.load(path)
     if found.cop4 is None:
         raise ValueError(

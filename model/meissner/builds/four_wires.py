@@ -1,47 +1,71 @@
 """Tables of the four-wire sensor in scenes, builds and files of ``meissner process cop4`` (docs/cop4.md)."""
 
-from meissner.check import between, fields, one_of, positive
+from typing import Annotated
+
+from msgspec import Meta
+
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import MAX_BITS, MIN_BITS, TOUCHES, Cop4Config
 from meissner.physics.mesh import Mesh
+from meissner.tables import Positive, Table, naming, one_of
 
-TABLES = {"mesh": dict, "converter": dict, "load": dict}
-_SIZE = {"rows": int, "columns": int}
-_CIRCUIT = dict.fromkeys(("R0_ohm", "V0_v", "k_n_ohm"), float)
-_CONVERTER = {"bits": int, "reference_v": float, "gain": float}
-_LOAD = {"lsb_n": float, "min_n": float, "correction": str}
+Side = Annotated[int, Meta(ge=1, le=1024)]
 
 
-def mesh_table(where, table, r_ohm=float):
-    """The checked [mesh]; ``r_ohm``: the kind of that key, float, or list, which the caller checks."""
-    table = fields(where, table, _SIZE | {"r_ohm": r_ohm} | _CIRCUIT)
-    between(where, table, {"rows": (1, 1024), "columns": (1, 1024)})
-    positive(where, table, [*(["r_ohm"] if r_ohm is float else []), *_CIRCUIT])
-    return table
+class Circuit(Table, frozen=True):
+    """The keys of [mesh] but r_ohm, of which a scene lists several."""
+
+    rows: Side
+    columns: Side
+    R0_ohm: Positive
+    V0_v: Positive
+    k_n_ohm: Positive
+
+    def mesh(self, r_ohm: float) -> Mesh:
+        """The mesh with resistors of ``r_ohm``."""
+        return Mesh(self.rows, self.columns, r_ohm, self.R0_ohm, self.V0_v, self.k_n_ohm)
 
 
-def config(where, mesh, converter, load, noise=False):
-    """``Cop4Config`` of three tables; ``mesh``: as returned by ``mesh_table``, with a number for r_ohm.
+class MeshKeys(Circuit, frozen=True):
+    """[mesh]."""
 
-    ``noise``: the converter also has ``noise_v``, as in a scene.
-    """
-    at = f"{where}, [converter]"
-    converter = fields(at, converter, _CONVERTER | ({"noise_v": float} if noise else {}))
-    between(at, converter, {"bits": (MIN_BITS, MAX_BITS)} | ({"noise_v": (0, 1)} if noise else {}))
-    positive(at, converter, ["reference_v", "gain"])
-    at = f"{where}, [load]"
-    load = fields(at, load, _LOAD)
-    positive(at, load, ["lsb_n", "min_n"])
-    one_of(at, "correction", load["correction"], TOUCHES)
-    full = converter["reference_v"]
-    try:
+    r_ohm: Positive
+
+
+class Converter(Table, frozen=True):
+    """[converter], symmetric about 0 V, after amplifiers of ``gain``."""
+
+    bits: Annotated[int, Meta(ge=MIN_BITS, le=MAX_BITS)]
+    reference_v: Positive
+    gain: Positive
+
+
+class NoisyConverter(Converter, frozen=True):
+    """[converter] of a scene."""
+
+    noise_v: Annotated[float, Meta(ge=0, le=1)]
+
+
+class Load(Table, frozen=True):
+    """[load]: newtons of one code, least load with a position, touch that the load is corrected for."""
+
+    lsb_n: Positive
+    min_n: Positive
+    correction: str
+
+    def __post_init__(self) -> None:
+        one_of("correction", self.correction, TOUCHES)
+
+
+def config(where: str, mesh: Mesh, converter: Converter, load: Load) -> Cop4Config:
+    """The sensor of three tables; ``where`` begins the sentence of a ValueError."""
+    full = converter.reference_v
+    with naming(where):
         return Cop4Config(
-            mesh=Mesh(*(mesh[key] for key in (*_SIZE, "r_ohm", *_CIRCUIT))),
-            adc=Adc(converter["bits"], -full, full, converter.get("noise_v", 0.0)),
-            gain=converter["gain"],
-            load_lsb_n=load["lsb_n"],
-            min_load_n=load["min_n"],
-            touch=load["correction"],
+            mesh=mesh,
+            adc=Adc(converter.bits, -full, full, getattr(converter, "noise_v", 0.0)),
+            gain=converter.gain,
+            load_lsb_n=load.lsb_n,
+            min_load_n=load.min_n,
+            touch=load.correction,
         )
-    except ValueError as problem:
-        raise ValueError(f"{where}: {problem}") from None

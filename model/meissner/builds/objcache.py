@@ -15,33 +15,35 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
 # Loaded without its package, which takes a second to import.
 SPEC = importlib.util.spec_from_file_location("cached_files", Path(__file__).with_name("cached_files.py"))
+assert SPEC and SPEC.loader
 cached_files = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(cached_files)
 
 OWN = ("verilated.h", "svdpi.h")  # in the runtime's own include folders
 
 
-def folder():
+def folder() -> Path:
     """The folder of the cached objects and headers."""
     return Path(os.environ["MEISSNER_OBJECTS"])
 
 
-def _key(compiler, words):
+def _key(compiler: str, words: list[str]) -> str:
     """The hash of a compiler's version and arguments. Makefiles and the builds of tests give the same ones in
     another order; of those used here only folders and levels of optimisation (see _level) depend on it. Paths
     are resolved, and include folders of models are left out, from which the runtime includes nothing, so that
     trees which link to one environment share its runtime."""
 
-    def of_a_model(folder):
+    def of_a_model(folder: str) -> bool:
         return not any(os.path.exists(os.path.join(folder, name)) for name in OWN)
 
-    def meant(word):
+    def meant(word: str) -> str:
         option = "-I" if word.startswith("-I") else ""
         path = word[len(option) :]
         return option + os.path.realpath(path) if option or os.path.isabs(path) else word
@@ -51,7 +53,7 @@ def _key(compiler, words):
     return hashlib.sha256("\0".join([version(compiler), *folders, *others]).encode()).hexdigest()
 
 
-def _level(words, instead=None):
+def _level(words: list[str], instead: dict[str, str] | None = None) -> list[str]:
     """``words`` with one level of optimisation, at first: the last, as for the compiler, or what is given
     ``instead`` of it."""
     levels = [word for word in words if word.startswith("-O")]
@@ -59,7 +61,7 @@ def _level(words, instead=None):
     return [*last, *(word for word in words if word not in levels)]
 
 
-def _precompile(compiler, flags, header, found):
+def _precompile(compiler: str, flags: list[str], header: Path, found: Path) -> bool:
     """Precompile the runtime's headers; returns whether the compiler succeeded."""
     header.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile("w", dir=header.parent, suffix=".h", delete=False) as fresh:
@@ -74,7 +76,7 @@ def _precompile(compiler, flags, header, found):
     return True
 
 
-def precompiled(command):
+def precompiled(command: list[str]) -> Path | None:
     """The precompiled header that ``command`` can begin with; None if precompiling fails."""
     source = next(word for word in command if word.endswith(".cpp"))
     output = command.index("-o")
@@ -90,7 +92,7 @@ def precompiled(command):
 
 
 @contextmanager
-def alone(key):
+def alone(key: str) -> Iterator[None]:
     """A lock for one process at a time: processes that start together would all compile the same."""
     folder().mkdir(parents=True, exist_ok=True)
     with open(folder() / f"{key}.lock", "w") as lock:
@@ -99,11 +101,11 @@ def alone(key):
 
 
 @cache
-def version(compiler):
+def version(compiler: str) -> str:
     return subprocess.run([compiler, "-dumpfullversion"], capture_output=True, text=True).stdout
 
 
-def _compile(command, found):
+def _compile(command: list[str], found: Path) -> None:
     with tempfile.NamedTemporaryFile(dir=folder(), suffix=".o", delete=False) as fresh:
         status = subprocess.run([*command, "-o", fresh.name]).returncode
     if status:
@@ -112,7 +114,7 @@ def _compile(command, found):
     cached_files.keep(Path(fresh.name), found)
 
 
-def runtime(command):
+def runtime(command: list[str]) -> Path:
     """The object of a compiler's ``command`` (without its output) for a source of the runtime. All models of
     tests, compiled at -O0 or -O1, get the runtime of benches."""
     command = [command[0], *_level(command[1:], {"-O0": "-Os", "-O1": "-Os"})]
@@ -125,7 +127,7 @@ def runtime(command):
     return found
 
 
-def main():
+def main() -> None:
     command = sys.argv[1:]
     sources = [Path(word) for word in command if word.endswith(".cpp") and Path(word).is_absolute()]
     own = [source for source in sources if source.parent.name == "include"]

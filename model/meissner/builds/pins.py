@@ -11,6 +11,7 @@ import json
 import tomllib
 from dataclasses import dataclass, field
 from functools import cache
+from typing import Any
 
 from meissner.builds.toolchain import ROOT
 from meissner.twins.frontend.adc_spi import PARTS
@@ -28,18 +29,18 @@ class Description:
 
     name: str
     source: str
-    clock: dict
-    serial: dict
-    leds: dict
-    headers: dict
-    prefer: dict
-    pulls: dict
-    onboard: dict = field(default_factory=dict)
-    inverted: tuple = ()
+    clock: dict[str, Any]
+    serial: dict[str, str]
+    leds: dict[str, dict[str, str]]
+    headers: dict[str, str]
+    prefer: dict[str, list[str]]
+    pulls: dict[str, str]
+    onboard: dict[str, Any] = field(default_factory=dict)
+    inverted: tuple[str, ...] = ()
 
 
 @cache
-def description(name):
+def description(name: str) -> Description:
     """The Description in constraints/<name>.toml; ValueError for a duplicate pin or a preferred pin that does
     not exist."""
     found = tomllib.loads((ROOT / f"constraints/{name}.toml").read_text("utf-8"))
@@ -71,10 +72,10 @@ class Need:
     role: str
     port: str
     count: int
-    what: tuple
+    what: tuple[str, ...]
 
     @property
-    def is_input(self):
+    def is_input(self) -> bool:
         return self.port.endswith("_i")
 
 
@@ -85,18 +86,18 @@ class Port:
 
     role: str
     port: str
-    pins: tuple
-    at: tuple
-    what: tuple
+    pins: tuple[str, ...]
+    at: tuple[str, ...]
+    what: tuple[str, ...]
     pull: str | None = None
     idle: int | None = None
 
     @property
-    def is_input(self):
+    def is_input(self) -> bool:
         return self.port.endswith("_i")
 
     @property
-    def bits(self):
+    def bits(self) -> list[tuple[str, str]]:
         """(name of the bit for place and route, its pin)."""
         if len(self.pins) == 1:
             return [(self.port, self.pins[0])]
@@ -109,19 +110,19 @@ class Plan:
 
     board: Description
     config: str
-    ports: tuple
+    ports: tuple[Port, ...]
 
     @property
-    def roles(self):
+    def roles(self) -> dict[str, Port]:
         return {port.role: port for port in self.ports if port.idle is None}
 
     @property
-    def taken(self):
+    def taken(self) -> int:
         """The number of header pins in use."""
         free = set(self.board.headers.values())
         return sum(pin in free for port in self.ports for pin in port.pins)
 
-    def rows(self):
+    def rows(self) -> list[dict[str, str | None]]:
         """The pin map, one dict per pin."""
         return [
             {
@@ -136,10 +137,17 @@ class Plan:
             for k, (name, pin) in enumerate(port.bits)
         ]
 
-    def text(self):
+    def text(self) -> str:
         """The pin map as a table."""
         rows = self.rows()
-        head = {"port": "port", "pin": "pin", "at": "where", "direction": "", "pull": "pull", "what": "what"}
+        head: dict[str, str | None] = {
+            "port": "port",
+            "pin": "pin",
+            "at": "where",
+            "direction": "",
+            "pull": "pull",
+            "what": "what",
+        }
         keys = ("port", "pin", "at", "direction", "pull")
         width = {key: max(len(str(row[key] or "-")) for row in [head, *rows]) for key in keys}
         lines = [
@@ -150,24 +158,24 @@ class Plan:
         title = f"pins of {self.config} on the {self.board.name}: {self.taken} of the headers' {there}"
         return "\n".join([title, *lines]) + "\n"
 
-    def json(self):
+    def json(self) -> str:
         found = {"board": self.board.name, "config": self.config, "source": self.board.source}
         return json.dumps(found | {"pins": self.rows()}, indent=1, ensure_ascii=False) + "\n"
 
 
-def row_pins(parameters):
+def row_pins(parameters: dict[str, int]) -> int:
     """Number of lines for the rows: one each, or the bits of a number and an enable above them."""
     rows = parameters.get("Rows", 1)
     return rows if rows <= MOST_ROW_LINES else (rows - 1).bit_length() + 1
 
 
-def groups(parameters):
+def groups(parameters: dict[str, int]) -> int:
     """Number of groups of columns that the multiplexers upstream of the converters select from."""
     inputs = 1 if parameters.get("Demod") else parameters.get("AdcChannels", 8)
     return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * inputs))
 
 
-def needs(board, parameters):
+def needs(board: Description, parameters: dict[str, int]) -> list[Need]:
     """The lines of a configuration, except those wired on the board."""
     moving = Need("moving", "moving_i", 1, ("high while the actuator moves",))
     if "moving" in board.inverted:
@@ -176,7 +184,7 @@ def needs(board, parameters):
     return [*_lines(parameters), moving, *pulses]
 
 
-def _lines(parameters):
+def _lines(parameters: dict[str, int]) -> list[Need]:
     """The lines of the sensor."""
     part = PARTS[parameters["Adc"]]
     converters, lanes = parameters.get("Converters", 1), parameters.get("AdcLanes", 1)
@@ -200,7 +208,7 @@ def _lines(parameters):
     if parameters.get("Array"):
         rows, lines = parameters["Rows"], row_pins(parameters)
         if rows <= MOST_ROW_LINES:
-            drives = tuple(f"row {k}" for k in range(rows))
+            drives: tuple[str, ...] = tuple(f"row {k}" for k in range(rows))
         else:
             number = [f"bit {k} of the row's number" for k in range(lines - 1)]
             drives = (*number, "low while a row is driven")
@@ -219,18 +227,18 @@ SHOWN = (
 )
 
 
-def _onboard(board, parameters):
+def _onboard(board: Description, parameters: dict[str, int]) -> bool:
     """Whether the configuration reads the board's own converter."""
     part = PARTS[parameters["Adc"]].name.upper()
     return part in board.onboard.get("parts", ()) and parameters.get("Converters", 1) == 1
 
 
-def _own(role, port, pin, what, **more):
+def _own(role: str, port: str, pin: str, what: str, **more: Any) -> Port:
     """A port whose pin is wired on the board."""
     return Port(role, port, (pin,), ("on the board",), (what,), **more)
 
 
-def _fixed(board, used):
+def _fixed(board: Description, used: bool) -> list[Port]:
     """Ports of every configuration; ``used``: the board's own converter is in use."""
     clock, serial = board.clock, board.serial
     ports = [
@@ -245,14 +253,31 @@ def _fixed(board, used):
     return ports
 
 
-def assign(board, config, parameters):
-    """The Plan; ValueError that names what is missing if the board lacks the pins or the clock."""
+def assign(board: Description, config: str, parameters: dict[str, int]) -> Plan:
+    """The pins of a configuration; ValueError that names what is missing: lines without a pin, or the clock.
+
+    Parameters
+    ----------
+    board : Description
+        The board's pins.
+    config : str
+        The configuration's name, for sentences and files.
+    parameters : dict of str to int
+        Parameters of rtl/msn_core.sv.
+
+    Returns
+    -------
+    Plan
+        Every port of the board's top with its pins.
+    """
     mhz = parameters["ClkKhz"] / 1000
     if mhz not in board.clock["core_mhz"]:
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
         raise ValueError(f"the {board.name} can clock the core at {made} MHz but {config} needs {mhz:g} MHz")
     own = _onboard(board, parameters)
-    ports, wanted, got, used = _fixed(board, own), needs(board, parameters), {}, set()
+    ports, wanted = _fixed(board, own), needs(board, parameters)
+    got: dict[Need, list[str]] = {}
+    used: set[str] = set()
     for need in list(wanted):
         if own and need.role in board.onboard:
             pin, what = board.onboard[need.role], need.what[0]
@@ -281,5 +306,5 @@ def assign(board, config, parameters):
     return Plan(board, config, tuple(ports))
 
 
-def _pull(board, need):
+def _pull(board: Description, need: Need) -> str | None:
     return board.pulls.get(need.role) if need.is_input else None

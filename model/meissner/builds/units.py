@@ -15,8 +15,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, isqrt
+from typing import Any
 
 import numpy as np
+
+from meissner.tables import exact, naming
 
 FRACTION_BITS = 14  # of x and y in a CoP packet
 CODES = {  # (register, quantity): method of Units that converts the amount to a code
@@ -43,12 +46,7 @@ CODES = {  # (register, quantity): method of Units that converts the amount to a
 }
 
 
-def exact(value):
-    """The exact value of the number as written in decimal."""
-    return value if isinstance(value, (int, Fraction)) else Fraction(repr(float(value)))
-
-
-def floor_root(value, level):
+def floor_root(value: Fraction, level: int) -> int:
     """floor(value·sqrt(2)^level) in exact arithmetic."""
     square = value * value * (1 << level)
     return isqrt(square.__floor__()) if value >= 0 else -1 - isqrt(max(0, ceil(square) - 1))
@@ -71,18 +69,34 @@ class Units:
     min_code: int = 0
     level: int = 1
     rate_hz: float | None = None
-    volts_of: Callable | None = None
+    volts_of: Callable[[float], Any] | None = None
     newtons_per_code: float | None = None
     pitch_mm: float | None = None
 
-    def code(self, name, quantity, value):
-        """Code of the register ``name`` for ``value`` volts, newtons or seconds, or ValueError."""
+    def code(self, name: str, quantity: str, value: float) -> int:
+        """The code of a register for an amount; ValueError for a quantity that the register does not take.
+
+        Parameters
+        ----------
+        name : str
+            "group.register", such as "slip.threshold".
+        quantity : str
+            "volts", "newtons" or "seconds".
+        value : float
+            The amount; of a threshold, the peak to peak of the normalised Haar coefficient.
+
+        Returns
+        -------
+        int
+            Thresholds rounded down, least loads and settling times up, the rest to the nearest.
+        """
         if (name, quantity) not in CODES:
             takes = [other for register, other in CODES if register == name]
             raise ValueError(f"{name} is not set in {quantity}, but in {' or '.join(takes) or 'codes only'}")
         if not np.isfinite(value):
             raise ValueError(f"{name} = {value} {quantity} must be a finite number")
-        found = getattr(self, CODES[name, quantity])(value)
+        with naming(name):
+            found: int = getattr(self, CODES[name, quantity])(value)
         if name in ("adc.period", "scan.period") and not found:
             raise ValueError(
                 f"{name} = {value:g} {quantity} is less than one clock, and a register value of 0 selects "
@@ -90,72 +104,88 @@ class Units:
             )
         return found
 
-    def _need(self, name, what):
+    def _need(self, name: str, what: str) -> Any:
         value = getattr(self, name)
         if value is None:
             raise ValueError(f"{what} cannot be set: {name} is not known")
         return value
 
-    def seconds(self, ticks):
+    def seconds(self, ticks: int) -> float | None:
         return ticks / (1000 * self.clk_khz) if self.clk_khz else None
 
-    def detail_volts(self, code):
+    def detail_volts(self, code: int) -> float | None:
         """Volts of a Haar coefficient's peak-to-peak."""
         return None if self.volts_per_code is None else code * self.volts_per_code / 2 ** (self.level / 2)
 
-    def detail_code(self, volts):
+    def detail_code(self, volts: float | Fraction) -> int:
         lsb = self._need("volts_per_code", "a threshold in volts")
         return floor_root(exact(volts) / exact(lsb), self.level)
 
-    def level_code(self, volts):
+    def level_code(self, volts: float | Fraction) -> int:
         lsb = self._need("volts_per_code", "a level in volts")
         return round((1 << self.level) * (self.min_code + (exact(volts) - exact(self.low_v)) / exact(lsb)))
 
     @property
-    def of_forces(self):
+    def of_forces(self) -> bool:
         """Whether the slip path's samples are forces of newtons_per_code, as after an array's calibration."""
         return self.volts_per_code is None and self.newtons_per_code is not None
 
-    def detail_newtons(self, code):
+    def detail_newtons(self, code: int) -> float | None:
         """Newtons of a Haar coefficient's peak-to-peak if samples are forces, else None."""
-        return code * self.newtons_per_code / 2 ** (self.level / 2) if self.of_forces else None
+        if self.newtons_per_code is None or not self.of_forces:
+            return None
+        return code * self.newtons_per_code / 2 ** (self.level / 2)
 
-    def detail_code_of_newtons(self, newtons):
+    def detail_code_of_newtons(self, newtons: float | Fraction) -> int:
         if not self.of_forces:
             raise ValueError("a threshold in newtons cannot be set: the samples are not known to be forces")
-        return floor_root(exact(newtons) / exact(self.newtons_per_code), self.level)
+        lsb = self._need("newtons_per_code", "a threshold in newtons")
+        return floor_root(exact(newtons) / exact(lsb), self.level)
 
-    def level_code_of_newtons(self, newtons):
+    def level_code_of_newtons(self, newtons: float | Fraction) -> int:
         if self.of_forces:
-            return round((1 << self.level) * exact(newtons) / exact(self.newtons_per_code))
+            lsb = self._need("newtons_per_code", "a level in newtons")
+            return round((1 << self.level) * exact(newtons) / exact(lsb))
         return self.level_code(float(self._need("volts_of", "a level in newtons")(newtons)))
 
-    def details(self, seconds):
+    def details(self, seconds: float | Fraction) -> int:
         return round(exact(seconds) * exact(self._need("rate_hz", "a time in seconds")) / (1 << self.level))
 
-    def clocks(self, seconds):
+    def clocks(self, seconds: float | Fraction) -> int:
         return round(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds"))
 
-    def settle_clocks(self, seconds):
+    def settle_clocks(self, seconds: float | Fraction) -> int:
         """The fewest clocks, at least 1, that last at least ``seconds``."""
         return max(1, ceil(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds")))
 
-    def load_code(self, newtons):
+    def load_code(self, newtons: float | Fraction) -> int:
         """Code of the smallest load of at least ``newtons``."""
         return ceil(exact(newtons) / exact(self._need("newtons_per_code", "a load in newtons")))
 
-    def load_newtons(self, load):
+    def load_newtons(self, load: int) -> float | None:
         return None if self.newtons_per_code is None else load * self.newtons_per_code
 
-    def place(self, x, y):
-        """(x, y) of a CoP packet in -1 .. 1, then in mm from the array's middle, or None, None."""
-        x, y = x / (1 << FRACTION_BITS), y / (1 << FRACTION_BITS)
-        if None in (self.pitch_mm, self.rows, self.columns):
-            return x, y, None, None
-        return x, y, x * self.pitch_mm * (self.columns - 1) / 2, y * self.pitch_mm * (self.rows - 1) / 2
+    def place(self, x: int, y: int) -> tuple[float, float, float | None, float | None]:
+        """Where a centre of pressure is.
+
+        Parameters
+        ----------
+        x, y : int
+            Of a CoP packet, 14 bits of fraction: -16384 .. 16384, y upwards.
+
+        Returns
+        -------
+        tuple of float
+            x and y in -1 .. 1, then in mm from the array's middle, or None, None if the pitch is not known.
+        """
+        across, up = x / (1 << FRACTION_BITS), y / (1 << FRACTION_BITS)
+        if self.pitch_mm is None or self.rows is None or self.columns is None:
+            return across, up, None, None
+        half_mm = self.pitch_mm / 2
+        return across, up, across * half_mm * (self.columns - 1), up * half_mm * (self.rows - 1)
 
 
-def of_scene(scene):
+def of_scene(scene: Any) -> Units:
     """Units of a slip scene (meissner.scenes.rubber.scene.Scene): its converter, rate, level and rubber."""
     from meissner.physics import rubber
 

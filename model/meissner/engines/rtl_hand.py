@@ -7,12 +7,11 @@ import numpy as np
 
 from meissner.engines.verilated import library
 from meissner.twins.actuate.grip import Command
-from meissner.twins.link.register_map import GROUPS
+from meissner.twins.link.registers import ADDRESSES
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
 
 EVERY = 8  # clocks from frame to frame: enough for two samples and their decisions
 REST = 32  # further clocks of a cycle, for register reads and the last decision
-ADDRESS = {f"{g.name}.{r.name}": r.address for g in GROUPS for r in g.registers}
 
 
 @cache
@@ -70,10 +69,10 @@ class Core:
         return found
 
     def __setitem__(self, name, value):
-        self._done(self._lib.hand_write(self._core, ADDRESS[name], int(value) & 0xFFFF_FFFF))
+        self._done(self._lib.hand_write(self._core, ADDRESSES[name], int(value) & 0xFFFF_FFFF))
 
     def __getitem__(self, name):
-        return self._done(self._lib.hand_read(self._core, ADDRESS[name]))
+        return self._done(self._lib.hand_read(self._core, ADDRESSES[name]))
 
     def next(self, codes):
         """(over [fingers, details], ends [details], Command) of a cycle with ``codes`` [fingers, frames]."""

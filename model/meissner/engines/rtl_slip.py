@@ -1,4 +1,4 @@
-"""Engine ``rtl``, slip: the Verilated msn_channels behind a batch C++ driver, numpy arrays in and out."""
+"""Engine ``rtl``, slip: the Verilated msn_core behind a batch C++ driver, numpy arrays in and out."""
 
 import ctypes
 from dataclasses import dataclass
@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner.engines import Watched, verilated
+from meissner.engines import Watched
 from meissner.engines.verilated import library
-from meissner.twins.link.registers import members, struct_bytes
+from meissner.twins.link.registers import ADDRESSES, members, words
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
 
 ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
+# The parts of msn_core that slip does not need are left out; packets go as bytes to nobody.
+_CORE = {"Uart": 0, "Statistics": 0, "SlipDepth": 2}
 # The clock of a pin-level run: the slowest with the MCP3208's full 2 MHz, since simulation takes time per
 # clock. BUSY then lasts 4 us, as the AD7606's does.
 PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, 16
@@ -30,41 +32,36 @@ def _open(path):
     lib = ctypes.CDLL(str(path))
     lib.core_new.restype = ctypes.c_void_p
     lib.core_delete.argtypes = [ctypes.c_void_p]
-    lib.core_start.restype = ctypes.c_int64
-    lib.core_start.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int64]
-    lib.core_slip.restype = ctypes.c_int64
-    pointer = ctypes.c_void_p
+    pointer, number, long = ctypes.c_void_p, ctypes.c_int32, ctypes.c_int64
+    lib.core_write.argtypes = [pointer, number, ctypes.c_uint32]
+    lib.core_read.argtypes = [pointer, number]
     lib.core_slip.argtypes = [
-        *(pointer, pointer, ctypes.c_int64, ctypes.c_int32, ctypes.c_uint32),
-        *(pointer, pointer, pointer, ctypes.c_int64),
+        *(pointer, pointer, long, number, ctypes.c_uint32, pointer, pointer, pointer, long),
     ]
-    lib.core_pins.restype = ctypes.c_int64
     lib.core_pins.argtypes = [
-        *(pointer, ctypes.c_int32, ctypes.c_int32, pointer, ctypes.c_int64, ctypes.c_int64),
-        *(pointer, pointer, pointer, ctypes.c_int64, ctypes.c_int64, ctypes.c_int64, ctypes.c_char_p),
-        *(ctypes.c_int64, ctypes.POINTER(_PinFacts)),
+        *(pointer, number, number, number, pointer, long, pointer, pointer, pointer, long),
+        *(long, long, ctypes.c_char_p, long, ctypes.POINTER(_PinFacts)),
     ]
-    for count in ("core_blanked", "core_damaged"):
-        getattr(lib, count).argtypes = [pointer]
-        getattr(lib, count).restype = ctypes.c_uint32
+    for name in ("core_write", "core_read", "core_slip", "core_pins"):
+        getattr(lib, name).restype = long
     return lib
 
 
-def _settings(config):
-    """The bytes of cfg_i of msn_channels, lowest first, in full words: every setting of the group slip."""
-    values = {member: int(getattr(config, member) or 0) for member in members("slip")}
-    values["keep_threshold"] = config.keeps_above
-    return struct_bytes("slip", values, {"detail": SAMPLE_BITS + config.level, "timer": TIMER_BITS})
-
-
 class Core:
-    """One Verilated core with its registers set; ``parameters`` are those of rtl/slip/msn_channels.sv."""
+    """One Verilated core with its settings of slip written; ``parameters``: of msn_core beside ``_CORE``."""
 
     def __init__(self, parameters, config, trace=False):
-        self._lib = _open(library("msn_channels", "channels_driver.cpp", parameters, trace))
+        values = {name: int(getattr(config, name) or 0) for name in members("slip")}
+        values["keep_threshold"] = config.keeps_above
+        written = words("slip", values, {"detail": SAMPLE_BITS + config.level, "timer": TIMER_BITS})
+        self._lib = _open(library("msn_core", "slip_driver.cpp", parameters | _CORE, trace))
         self._core = self._lib.core_new()
-        settings = _settings(config)
-        verilated.check_room(self._lib.core_start(self._core, settings, len(settings)))
+        self._write(written)
+
+    def _write(self, written):
+        for address, word in written.items():
+            if self._lib.core_write(self._core, address, word) < 0:
+                raise RuntimeError("the core did not answer on its bus")
 
     def __enter__(self):
         return self
@@ -94,12 +91,13 @@ class Core:
         p2p = np.empty(codes.size, dtype=np.uint32)
         flags = np.empty(codes.size, dtype=np.uint8)
         facts = _PinFacts()
+        self._write(words("adc", {"period": period}, {}))
         count = self._lib.core_pins(
-            *(self._core, ADC_PARTS[part], PIN_BUSY_CLOCKS, codes.ctypes.data, codes.size, period),
+            *(self._core, ADC_PARTS[part], PIN_BUSY_CLOCKS, ADDRESSES["adc.enable"]),
+            *(codes.ctypes.data, codes.size),
             *(moving.ctypes.data, p2p.ctypes.data, flags.ctypes.data, p2p.size, *trace),
             *(None if trace_path is None else str(trace_path).encode(), PIN_CLK_KHZ, ctypes.byref(facts)),
         )
-        verilated.check_room(count)
         if count < 0:
             raise RuntimeError("the core gave more decisions than it got samples")
         return p2p[:count], flags[:count], facts
@@ -107,7 +105,7 @@ class Core:
     @property
     def blanked(self):
         """Number of details since reset that were over while blanked or while the actuator moved."""
-        return self._lib.core_blanked(self._core)
+        return self._lib.core_read(self._core, ADDRESSES["slip.blanked"])
 
 
 def _parameters(channels, config):

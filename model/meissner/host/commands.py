@@ -31,8 +31,8 @@ def _connect(arguments, registers=None, say=_tell):
     known = baud = None
     if arguments.config is not None:
         build = config.load(arguments.config)
-        known, baud = build.units, build.link["baud"]
-        if not build.link["registers"]:
+        known, baud = build.units, build.link.baud
+        if not build.link.registers:
             if registers:
                 raise ValueError(
                     f"{arguments.config} is built without registers: it can only be listened to (live)"

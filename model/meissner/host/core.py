@@ -187,6 +187,19 @@ class Core:
         self[name] = code
         return code
 
+    @contextmanager
+    def together(self):
+        """``with core.together():`` the settings written in this block take effect with the same frame.
+
+        It concerns those that apply at a frame's start (docs/registers.md); the core takes none of them
+        before the block ends, also by an error.
+        """
+        self["core.hold"] = 1
+        try:
+            yield
+        finally:
+            self["core.hold"] = 0
+
     def _ask(self, operation, place, data=0):
         """The word in the core's answer; NoAnswer, or ValueError if it refuses the access."""
         self._tag = self._tag + 1 & 255

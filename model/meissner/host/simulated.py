@@ -70,10 +70,10 @@ class SimulatedCore:
         passed = (time.monotonic() - self._began) * self.speed * 1000 * self.clk_khz
         return max(self._now, int(passed))
 
-    def boundary(self, group):
-        """A frame begins: the values written to the group take effect."""
-        if self.registers.pending[group]:
-            self.registers.commit(group)
+    def boundary(self):
+        """A frame begins: the settings that wait for it take effect."""
+        if self.registers.pending:
+            self.registers.commit()
 
     def read(self, n):
         """Up to ``n`` bytes that are due; slower than ``speed`` if the machine cannot keep up."""
@@ -150,7 +150,7 @@ def slip_source(blocks, rate_hz, window=64, hop=64):
         spans = twin = None
         done, flag = 0, False
         for codes in blocks:
-            core.boundary("slip")
+            core.boundary()
             config = core.slip_config(window=window, hop=hop)
             if twin is None:
                 spans = PeakToPeak(len(codes), window // group, hop // group)

@@ -10,9 +10,9 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from meissner.check import one_of
 from meissner.scenes.features import check_line
 from meissner.scenes.sensor import sensor, sensors
+from meissner.tables import naming, one_of, parse
 
 
 @cache
@@ -50,12 +50,7 @@ def read(name):
     path = Path(name)
     if name in _files() or path.suffix != ".toml":
         return load(name)
-    try:
-        return build(path.stem, tomllib.loads(path.read_text("utf-8")))
-    except RecursionError:
-        raise ValueError(f"{path} is not a scene: its lists are nested too deeply") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
-        raise ValueError(f"{path} is not a TOML file: {problem}") from None
+    return build(path.stem, parse(path, "a scene"))
 
 
 def build(name, table):
@@ -63,7 +58,8 @@ def build(name, table):
     where = f"scene {name}"
     if "sensor" not in table:
         raise ValueError(f"{where}: the key 'sensor' is missing")
-    one_of(where, "sensor", table["sensor"], sensors())
+    with naming(where):
+        one_of("sensor", table["sensor"], sensors())
     own = {key: value for key, value in table.items() if key != "features"}
     scene = sensor(table["sensor"]).build(name, own)
     if "features" in table:

@@ -1,14 +1,33 @@
 """What every sensor's scenes and recordings share: keys, their check, and what a recording models."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
-from meissner.check import fields, one_of, positive
+from meissner import tables
 from meissner.physics.adc import PARTS, Adc
 from meissner.scenes.sensor import sensor, used
+from meissner.tables import Count, Table, one_of
 
-TOP = {"title": str, "sensor": str}
-SAMPLED = TOP | {"adc": str, "rate_hz": int, "seeds": int}
+
+class Keys(Table):
+    """The keys of every scene's file."""
+
+    title: str
+    sensor: str
+
+
+class SampledKeys(Keys):
+    """Those of a scene with a converter."""
+
+    adc: str
+    rate_hz: Count
+    seeds: Count
+
+    def __post_init__(self) -> None:
+        one_of("adc", self.adc, PARTS)
+
+
+K = TypeVar("K", bound=Keys)
 
 
 @dataclass(frozen=True)
@@ -57,19 +76,8 @@ def left_out(scene, modelled):
     return tuple(part for part in sensor(scene.sensor).COMPONENTS if part not in modelled)
 
 
-def top(name, table, expected):
-    """(the checked table of scene ``name``, the fields of Scene in it); ValueError with one sentence.
-
-    ``expected``: {key: kind}, including TOP or SAMPLED.
-    """
-    where = f"scene {name}"
-    given = fields(where, table, expected)
-    positive(where, given, [key for key in ("rate_hz", "seeds") if key in expected])
-    own = {
-        "name": name,
-        **{key: given[key] for key in ("title", "sensor", "rate_hz", "seeds") if key in given},
-    }
-    if "adc" in expected:
-        one_of(where, "adc", given["adc"], tuple(PARTS))
-        own["adc_part"] = given["adc"]
-    return given, own
+def read(name: str, table: dict[str, Any], kind: type[K]) -> tuple[K, dict[str, Any]]:
+    """(the file of scene ``name`` as a ``kind``, the fields of Scene in it); ValueError with one sentence."""
+    keys = tables.read(kind, table, f"scene {name}")
+    own = {key: getattr(keys, key) for key in ("title", "sensor", "rate_hz", "seeds") if hasattr(keys, key)}
+    return keys, {"name": name, **own} | ({"adc_part": keys.adc} if isinstance(keys, SampledKeys) else {})

@@ -29,7 +29,7 @@ def codes_of(config, seed=1):
         scene = scenes.load("cop_slip")
         recording = scenes.simulate(scene, scene.conditions[0], seed)
         return config.cop4.convert(electrodes(recording.solution))
-    shape = config.sensor["rows"], config.sensor["columns"]
+    shape = config.shape
     if shape in SCENES:
         codes = scenes.simulate(scenes.load(SCENES[shape]), seed).codes
         if codes.max() <= top:

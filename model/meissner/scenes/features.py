@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from meissner.check import shown
 from meissner.engines.features import FEATURES as FOUND
 from meissner.scenes.sensor import used
+from meissner.tables import shown
 
 
 class Feature(NamedTuple):
@@ -16,7 +16,7 @@ class Feature(NamedTuple):
 
 
 FEATURES = {
-    "slip": Feature("msn_channels", ("msn_haar", "msn_peak_to_peak", "msn_slip"), "watch"),
+    "slip": Feature("msn_slip_chain", ("msn_haar", "msn_peak_to_peak", "msn_slip"), "watch"),
     "cop": Feature("msn_cop", ("msn_cop_accumulate", "msn_cop_divide"), "cop"),
     "cop4": Feature("msn_cop4", ("msn_electrodes", "msn_ratio", "msn_cop4_correct"), "cop4"),
     "cop_slip": Feature("msn_cop_slip", ("msn_delay",), "cop_slip"),

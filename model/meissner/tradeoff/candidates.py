@@ -8,7 +8,7 @@ import copy
 import tomllib
 
 from meissner.builds import boards, config
-from meissner.builds.build import PARTS
+from meissner.builds.keys import PARTS
 from meissner.physics.adc import PARTS as RANGES
 from meissner.tradeoff import worker
 from meissner.tradeoff.axes import cop4, lanes

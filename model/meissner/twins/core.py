@@ -77,7 +77,8 @@ def of_channels(samples, config, moving=None, mask=None, change=None):
 def of_array(array, samples, slip=None, over=None):
     """All results of samples [frames, rows, columns]; ``slip``: SlipConfig.
 
-    ``array``: meissner.twins.sensor.sensor_array.Array; it keeps its learned state between calls, as the core does.
+    ``array``: meissner.twins.sensor.sensor_array.Array; it keeps its learned state between calls, as the core
+    does.
     """
     sensed = sensor_array(array, samples, over)
     events = slip_chain(sensed.forces, slip, mask=sensed.mask) if slip is not None else ()
@@ -100,11 +101,11 @@ def samples_of(config, codes):
 def array_of(config):
     """meissner.twins.sensor.sensor_array.Array of a configuration, as after reset."""
     limits = tare = None
-    if config.array["health"]:
+    if config.health:
         given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
         limits = Limits(**given)
-    if config.array["tare"]:
-        tare = {"contact": config.tare["contact_codes"], "step": config.tare["step"]}
+    if config.tare:
+        tare = {"contact": config.tare.contact_codes, "step": config.tare.step}
     parameters, settings = config.parameters, config.settings
     kinds = {"row_column": bool(parameters["RowColumn"]), "gain_shift": parameters["GainShift"]}
     kinds |= {"min_load": settings["cop.min_load"]}

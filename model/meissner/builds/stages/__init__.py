@@ -1,8 +1,8 @@
 """Stages of a core with their own tables in a build's file, a module each: grip defines [grip].
 
-A module has DEFAULTS, the table's keys; PARAMETERS of rtl/msn_core.sv; ``config(at, given, base)``, which
-returns the stage's settings from the checked table, with ``settings`` {register of the group of that name:
-value}; and ``check(base)``, ValueError if the build ``base`` (meissner.builds.build.Config) does not suit it.
+A module has Keys, the table; PARAMETERS of rtl/msn_core.sv; ``config(keys, base)``, which returns the
+stage's settings, with ``settings`` {register of the group of that name: value}; and ``check(base)``,
+ValueError if the build ``base`` (meissner.builds.build.Config) does not suit it.
 """
 
 from importlib import import_module

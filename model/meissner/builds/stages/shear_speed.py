@@ -1,18 +1,41 @@
 """[shear_speed] of a build: the estimator of each channel, from volts, millimetres and a batch of rubber."""
 
-from meissner.builds.units import exact
-from meissner.check import between, not_negative, positive
+from typing import TYPE_CHECKING, Annotated
+
+from msgspec import Meta
+
+from meissner.tables import NotNegative, Positive, Table, exact
 from meissner.twins.slip.shear_speed import ShearSettings
 from meissner.twins.slip.shear_speeds import SIZE, ShearConfig
 
-DEFAULTS = {"k0_v": 1.55, "k1": -0.27, "n": 0.11, "vi_min_v": 2.0, "vi_max_v": 4.0, "noise_v": 0.1}
-DEFAULTS |= {"still_v": 0.0025, "limit_mm_s": 3.0, "travel_mm": 0.01, "hold_cycles": 0}
+if TYPE_CHECKING:
+    from meissner.builds.build import Config
+
 PARAMETERS = {"ShearSpeed": 1}
 NEEDED_CLOCKS = 70  # from frame to frame, so that no sample waits for the computation of a window
 
 
-def check(base):
-    if base.serial or not base.link["registers"]:
+class Keys(Table, frozen=True):
+    """The table: dV = (k0 + k1 Vi) v^n of this lot of rubber, and what counts as a rise or as rest."""
+
+    k0_v: Positive = 1.55
+    k1: float = -0.27
+    n: Positive = 0.11
+    vi_min_v: float = 2.0
+    vi_max_v: float = 4.0
+    noise_v: NotNegative = 0.1
+    still_v: NotNegative = 0.0025
+    limit_mm_s: Positive = 3.0
+    travel_mm: NotNegative = 0.01
+    hold_cycles: Annotated[int, Meta(ge=0, le=255)] = 0
+
+    def __post_init__(self) -> None:
+        if self.vi_min_v > self.vi_max_v:
+            raise ValueError(f"vi_min_v = {self.vi_min_v:g} must not be above vi_max_v")
+
+
+def check(base: "Config") -> None:
+    if base.serial or not base.link.registers:
         raise ValueError(
             "[shear_speed] must go with serial = false and registers = true, which hold the speeds"
         )
@@ -24,19 +47,21 @@ def check(base):
         )
 
 
-def config(at, given, base):
-    """ShearConfig of the checked table ``given``; ``base``: meissner.builds.build.Config of the rest."""
-    positive(at, given, ["k0_v", "n", "limit_mm_s"])
-    not_negative(at, given, ["noise_v", "still_v", "travel_mm"])
-    between(at, given, {"hold_cycles": (0, 255)})
-    lot = {key.split("_")[0] if key[:2] != "vi" else key[:6]: exact(given[key]) for key in DEFAULTS}
-    hold_cycles = int(lot.pop("hold"))
-    codes_per_v = (1 << base.part.data_bits - base.part.signed) / exact(base.adc["volts"])
+def config(keys: Keys, base: "Config") -> ShearConfig:
+    """The settings of the estimator in codes and clocks; ``base``: the rest of the build."""
+    codes_per_v = (1 << base.part.data_bits - base.part.signed) / exact(base.adc.volts)
     top = (1 << base.part.data_bits - base.part.signed) - 1  # at this code the input is out of range
-    try:
-        settings = ShearSettings.of(codes_per_v, exact(base.rate_hz), SIZE, **lot, full=top / codes_per_v)
-    except ValueError as problem:
-        raise ValueError(f"{at}: {problem}") from None
-    if given["vi_min_v"] > given["vi_max_v"]:
-        raise ValueError(f"{at}: vi_min_v = {given['vi_min_v']:g} must not be above vi_max_v")
-    return ShearConfig(settings, hold_cycles)
+    settings = ShearSettings.of(
+        *(codes_per_v, exact(base.rate_hz), SIZE),
+        k0=exact(keys.k0_v),
+        k1=exact(keys.k1),
+        n=exact(keys.n),
+        vi_min=exact(keys.vi_min_v),
+        vi_max=exact(keys.vi_max_v),
+        noise=exact(keys.noise_v),
+        still=exact(keys.still_v),
+        limit=exact(keys.limit_mm_s),
+        travel=exact(keys.travel_mm),
+        full=top / codes_per_v,
+    )
+    return ShearConfig(settings, keys.hold_cycles)

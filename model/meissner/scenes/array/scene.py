@@ -1,12 +1,15 @@
 """Scenes of an array of taxels: patches that move over it, or a recording, with the true forces."""
 
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
+import msgspec
 import numpy as np
+from msgspec import Meta
 
-from meissner.check import between, fields, numbers, one_of, positive, tables
 from meissner.physics import mesh_loads, patches, plantar
 from meissner.scenes import base
+from meissner.tables import Count, Positive, Table, values
 from meissner.twins.cop.cop_accumulate import sum_bits
 
 FEATURES = {"cop": "position and load are compared with the forces"}
@@ -19,18 +22,98 @@ WHY = {
 COMPONENTS = tuple(WHY)
 _BYTES = 8  # per taxel of a frame: codes, and the pieces that are joined
 
-_TOP = base.TOP | {"rate_hz": int, "array": dict, "world": dict}
-_ARRAY = {"rows": int, "columns": int, "min_load": int}
-_CONVERTER = {"bits": int, "full_scale_n": float, "noise_lsb": float}
-_WORLD = {
-    "patches": {"seconds": float, "depth_pitches": float, "patches": list},
-    "recording": {"dataset": str, "subject": int, "trial": int},
-}
-_PATH = {
-    "line": {"from": list, "to": list},
-    "circle": {"centre": list, "radius": float, "turns": float},
-    "hold": {"at": list},
-}
+Side = Annotated[int, Meta(ge=1, le=1024)]
+_Unit = Annotated[float, Meta(ge=-1, le=1)]
+_Place = tuple[_Unit, _Unit]
+
+
+class _Patch(Table):
+    """[[world.patches]]: the path of a contact, its force and how that changes."""
+
+    force_n: Positive
+    profile: Literal["steady", "press", "step"]
+
+
+class Line(_Patch, kw_only=True, tag_field="path", tag="line"):
+    start: _Place = msgspec.field(name="from")
+    to: _Place
+
+
+class Circle(_Patch, tag_field="path", tag="circle"):
+    centre: _Place
+    radius: Positive
+    turns: Positive
+
+    def __post_init__(self):
+        if max(map(abs, self.centre)) + self.radius > 1:
+            raise ValueError(f"radius = {self.radius:g} extends beyond the edge at 1")
+
+
+class Hold(_Patch, tag_field="path", tag="hold"):
+    at: _Place
+
+
+Patches = Annotated[list[Line | Circle | Hold], Meta(min_length=1)]
+
+
+def paths(rows):
+    """The rows of [[world.patches]] as meissner.physics.patches takes them."""
+    return tuple(msgspec.to_builtins(row) for row in rows)
+
+
+class Moving(Table, tag_field="kind", tag="patches"):
+    """[world] of kind patches."""
+
+    seconds: Positive
+    depth_pitches: Positive
+    patches: Patches
+
+
+class Recorded(Table, tag_field="kind", tag="recording"):
+    """[world] of kind recording."""
+
+    dataset: Literal[plantar.DATASET]
+    subject: Annotated[int, Meta(ge=0, le=plantar.SUBJECTS - 1)]
+    trial: Annotated[int, Meta(ge=0, le=plantar.TRIALS - 1)]
+
+
+class ConverterKeys(Table):
+    """[converter]: full_scale_n newtons are the highest code."""
+
+    bits: Annotated[int, Meta(ge=1, le=16)]
+    full_scale_n: Positive
+    noise_lsb: Annotated[float, Meta(ge=0, le=1000)]
+
+
+class ArrayKeys(Table):
+    """[array]; ``min_load`` in codes, as a recording has no newtons."""
+
+    rows: Side
+    columns: Side
+    min_load: Annotated[int, Meta(ge=0)]
+
+    def __post_init__(self):
+        limit = (1 << sum_bits(self.rows, self.columns)) - 1
+        if self.min_load > limit:
+            raise ValueError(f"min_load = {self.min_load} must lie in 0 .. {limit}")
+
+
+class Keys(base.Keys, kw_only=True):
+    """The file of a scene of an array."""
+
+    rate_hz: Count
+    array: ArrayKeys
+    converter: ConverterKeys | None = None
+    world: Moving | Recorded
+
+    def __post_init__(self):
+        moving = isinstance(self.world, Moving)
+        if moving and self.converter is None:
+            raise ValueError("the key 'converter' is missing")
+        if self.converter and not moving:
+            raise ValueError("unknown key 'converter': a recording has codes")
+        if moving and round(self.world.seconds * self.rate_hz) < 1:
+            raise ValueError(f"[world]: seconds = {self.world.seconds:g} hold no frame")
 
 
 @dataclass(frozen=True)
@@ -95,59 +178,17 @@ class Recording(base.Recording):
     over_range: int
 
 
-def patch(where, row):
-    """One table of [[world.patches]], checked."""
-    path = row.get("path")
-    one_of(where, "path", path, tuple(_PATH))
-    row = fields(where, row, {"path": str, **_PATH[path], "force_n": float, "profile": str})
-    one_of(where, "profile", row["profile"], tuple(patches.PROFILES))
-    positive(where, row, ["force_n"])
-    for key in {"from", "to", "centre", "at"} & set(row):
-        row[key] = numbers(where, key, row[key], 2, -1, 1)
-    if path == "circle":
-        positive(where, row, ["radius", "turns"])
-        if max(map(abs, row["centre"])) + row["radius"] > 1:
-            raise ValueError(f"{where}: radius = {row['radius']:g} extends beyond the edge at 1")
-    return row
-
-
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    where = f"scene {name}"
-    # Only patches need a converter: the kind decides which tables are required.
-    expected = _TOP | ({} if "converter" not in table else {"converter": dict})
-    top, own = base.top(name, table, expected)
-    world = dict(top["world"])
-    kind = world.pop("kind", None)
-    one_of(f"{where}, [world]", "kind", kind, tuple(_WORLD))
-    top = fields(where, table, _TOP | ({"converter": dict} if kind == "patches" else {}))
-    array = fields(f"{where}, [array]", top["array"], _ARRAY)
-    between(f"{where}, [array]", array, {"rows": (1, 1024), "columns": (1, 1024)})
-    limit = (1 << sum_bits(array["rows"], array["columns"])) - 1
-    between(f"{where}, [array]", array, {"min_load": (0, limit)})
-
-    inside = f"{where}, [world]"
-    world = fields(inside, world, _WORLD[kind])
-    converter = None
-    if kind == "patches":
-        at = f"{where}, [converter]"
-        converter = fields(at, top["converter"], _CONVERTER)
-        positive(at, converter, ["full_scale_n"])
-        between(at, converter, {"bits": (1, 16), "noise_lsb": (0, 1000)})
-        converter = Converter(**converter)
-        positive(inside, world, ["seconds", "depth_pitches"])
-        rows = tables(inside, "world.patches", world["patches"])
-        world["patches"] = tuple(patch(f"{where}, [[world.patches]]", row) for row in rows)
-        if round(world["seconds"] * top["rate_hz"]) < 1:
-            raise ValueError(f"{inside}: seconds = {world['seconds']:g} hold no frame")
-    else:
-        one_of(inside, "dataset", world["dataset"], (plantar.DATASET,))
-        between(inside, world, {"subject": (0, plantar.SUBJECTS - 1), "trial": (0, plantar.TRIALS - 1)})
+    keys, own = base.read(name, table, Keys)
+    world, converter = values(keys.world), keys.converter
+    if "patches" in world:
+        world["patches"] = paths(world["patches"])
     return Scene(
         **own,
-        **array,
-        converter=converter,
-        kind=kind,
+        **values(keys.array),
+        converter=converter and Converter(**values(converter)),
+        kind=type(keys.world).__struct_config__.tag,
         world=world,
     )
 

@@ -6,15 +6,17 @@ across cells), ``shapes`` (objects pressed on). The presses for calibration are 
 """
 
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
+from msgspec import Meta
 
-from meissner.check import between, fields, numbers, one_of, positive
 from meissner.engines import Carrier
 from meissner.physics import capacitive, footprints, mesh_loads
 from meissner.physics.adc import Adc
 from meissner.physics.capacitive import GRAM_N, PITCH_MM
 from meissner.scenes import base
+from meissner.tables import Positive, Table, one_of, values
 from meissner.twins.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod
 
 FEATURES = {
@@ -39,37 +41,81 @@ _PAD = COMPONENTS[:6]
 _MODELLED = {"crosstalk": (*_PAD[:3], "leakage"), "cell": (*_PAD, "droop and sag", "placement of the probe")}
 _BYTES = 20  # per sample of a carrier: codes, volts and noise
 
-_TOP = base.TOP | {"readout": dict, "world": dict}
-_READOUT = {
-    "gain": float,
-    "drive_v": float,
-    "stray_pf": float,
-    "form": str,
-    "samples_per_period": int,
-    "periods": int,
-    "skip": int,
-    "shift": int,
-    "bits": int,
-    "full_scale_v": float,
-    "noise_v": float,
-}
-_WORLD = {
-    "crosstalk": {"gains": list, "unselected_pf": list, "leak_mohm": list, "gain_bandwidth_hz": float},
-    "cell": {
-        "force_g": float,
-        "rate_hz": int,
-        "cycles": int,
-        "hold_g": float,
-        "hold_s": float,
-        "rest_s": float,
-        "steps_g": list,
-        "presses": int,
-        "placement_mm": float,
-    },
-    "select": {"force_g": float, "step_mm": float, "cells": int},
-    "shapes": {"pressure_g_mm2": float, "shapes": list, "even_g": float, "frames": int},
-}
 FORMS = {"rectifier": RECTIFIER, "synchronous": IQ, "synchronous estimate": IQ_FAST}
+_Grams = Annotated[float, Meta(gt=0, le=150)]
+_Ohms = Annotated[tuple[Annotated[float, Meta(ge=1e-6, le=1e9)], ...], Meta(min_length=1)]
+_Farads = Annotated[tuple[Annotated[float, Meta(ge=0, le=1e6)], ...], Meta(min_length=1)]
+
+
+class ReadoutKeys(Table):
+    """[readout]."""
+
+    gain: Positive
+    drive_v: Positive
+    stray_pf: Annotated[float, Meta(ge=0, le=1e6)]
+    form: Literal[tuple(FORMS)]
+    samples_per_period: Literal[4, 8, 16]
+    periods: Annotated[int, Meta(ge=1, le=64)]
+    skip: Annotated[int, Meta(ge=0, le=255)]
+    shift: Annotated[int, Meta(ge=0, le=31)]
+    bits: Annotated[int, Meta(ge=1, le=17)]
+    full_scale_v: Positive
+    noise_v: Annotated[float, Meta(ge=0, le=1e3)]
+
+
+class Crosstalk(Table, tag_field="kind", tag="crosstalk"):
+    """[world] of kind crosstalk."""
+
+    gains: Annotated[tuple[Annotated[float, Meta(ge=1, le=1e6)], ...], Meta(min_length=1)]
+    unselected_pf: _Farads
+    leak_mohm: _Ohms
+    gain_bandwidth_hz: Positive
+
+
+class Cell(Table, tag_field="kind", tag="cell"):
+    """[world] of kind cell; grams on the cell."""
+
+    force_g: _Grams
+    rate_hz: Annotated[int, Meta(ge=1, le=10000)]
+    cycles: Annotated[int, Meta(ge=1, le=1000)]
+    hold_g: _Grams
+    hold_s: Positive
+    rest_s: Positive
+    steps_g: Annotated[tuple[Annotated[float, Meta(ge=1, le=150)], ...], Meta(min_length=1)]
+    presses: Annotated[int, Meta(ge=2, le=1000)]
+    placement_mm: Annotated[float, Meta(ge=0, le=1)]
+
+
+class Select(Table, tag_field="kind", tag="select"):
+    """[world] of kind select."""
+
+    force_g: Positive
+    step_mm: Annotated[float, Meta(ge=0.01, le=1)]
+    cells: Annotated[int, Meta(ge=2, le=5)]
+
+
+class Shapes(Table, tag_field="kind", tag="shapes"):
+    """[world] of kind shapes."""
+
+    pressure_g_mm2: Positive
+    shapes: list[str]
+    even_g: Annotated[float, Meta(ge=1, le=150)]
+    frames: Annotated[int, Meta(ge=1, le=1000)]
+
+    def __post_init__(self):
+        if not self.shapes:
+            raise ValueError("there must be at least one shape")
+        for shape in self.shapes:
+            one_of("shapes", shape, footprints.SHAPES)
+
+
+class Keys(base.Keys):
+    """The file of a scene of the pad."""
+
+    readout: ReadoutKeys
+    world: Crosstalk | Cell | Select | Shapes
+
+
 SIDE = 8  # published
 HOLD_HZ = 2.0  # frames per second while a force is held
 SETTLE_SAMPLES = 1.0  # time constant of the amplitude after a switch, in the converter's samples; chosen
@@ -139,45 +185,10 @@ class Recording(base.Recording):
     over_range: int
 
 
-def _check_world(where, kind, world):
-    world = fields(where, world, _WORLD[kind])
-    if kind == "crosstalk":
-        world["gains"] = numbers(where, "gains", world["gains"], least=1, most=1e6)
-        world["unselected_pf"] = numbers(where, "unselected_pf", world["unselected_pf"], least=0, most=1e6)
-        world["leak_mohm"] = numbers(where, "leak_mohm", world["leak_mohm"], least=1e-6, most=1e9)
-        positive(where, world, ["gain_bandwidth_hz"])
-    elif kind == "cell":
-        positive(where, world, ["force_g", "rate_hz", "hold_g", "hold_s", "rest_s"])
-        between(where, world, {"cycles": (1, 1000), "presses": (2, 1000), "placement_mm": (0, 1)})
-        between(where, world, {"force_g": (0, 150), "hold_g": (0, 150), "rate_hz": (1, 10000)})
-        world["steps_g"] = numbers(where, "steps_g", world["steps_g"], least=1, most=150)
-    elif kind == "select":
-        positive(where, world, ["force_g"])
-        between(where, world, {"step_mm": (0.01, 1), "cells": (2, 5)})
-    else:
-        positive(where, world, ["pressure_g_mm2"])
-        between(where, world, {"even_g": (1, 150), "frames": (1, 1000)})
-        if not world["shapes"]:
-            raise ValueError(f"{where}: there must be at least one shape")
-        for shape in world["shapes"]:
-            one_of(where, "shapes", shape, tuple(footprints.SHAPES))
-    return world
-
-
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    where = f"scene {name}"
-    top, own = base.top(name, table, _TOP)
-    at = f"{where}, [readout]"
-    readout = fields(at, top["readout"], _READOUT)
-    positive(at, readout, ["gain", "drive_v", "full_scale_v"])
-    one_of(at, "form", readout["form"], tuple(FORMS))
-    one_of(at, "samples_per_period", readout["samples_per_period"], (4, 8, 16))
-    between(at, readout, {"periods": (1, 64), "skip": (0, 255), "shift": (0, 31), "bits": (1, 17)})
-    between(at, readout, {"stray_pf": (0, 1e6), "noise_v": (0, 1e3)})
-    world = dict(top["world"])
-    kind = world.pop("kind", None)
-    one_of(f"{where}, [world]", "kind", kind, tuple(_WORLD))
+    keys, own = base.read(name, table, Keys)
+    readout = values(keys.readout)
     full_v = readout["full_scale_v"]
     block = AmDemod(FORMS[readout["form"]], readout["samples_per_period"])
     carrier = Carrier(block, *(readout[key] for key in ("periods", "skip", "shift")))
@@ -186,8 +197,8 @@ def build(name, table):
         readout=readout,
         carrier=carrier,
         adc=Adc(readout["bits"], -full_v, full_v, readout["noise_v"]),
-        kind=kind,
-        world=_check_world(f"{where}, [world]", kind, world),
+        kind=type(keys.world).__struct_config__.tag,
+        world=values(keys.world),
     )
 
 

@@ -1,14 +1,18 @@
 """Scenes of a matrix of force-sensing resistors: forces, network, faults, and the ground truth."""
 
 from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
+from msgspec import Meta
 
-from meissner.check import between, fields, one_of, positive, tables
+from meissner.builds.cop_tables import Cop
 from meissner.physics import fsr, mesh_loads, patches
 from meissner.physics.adc import Adc
 from meissner.scenes import base
 from meissner.scenes.array import scene as cop
+from meissner.scenes.array.scene import Patches, Side
+from meissner.tables import Count, Positive, Table, naming, one_of, read, values
 
 FEATURES = {
     "calibrate": "cells are compared in newtons after a calibration with calibrate_n",
@@ -26,12 +30,89 @@ WHY = {
 }
 COMPONENTS = tuple(WHY)
 _BYTES = 80  # per cell of a frame: forces, conductances, volts, codes, in doubles
-_TOP = base.TOP | dict.fromkeys(("array", "readout", "converter", "world"), dict) | {"rate_hz": int}
-_ARRAY = {"rows": int, "columns": int, "material": str, "min_load_n": float}
-_READOUT = {"circuit": str, "unselected": str, "supply_v": float, "driver_ohm": float, "load_ohm": float}
-_CONVERTER = {"bits": int, "noise_v": float}
-_WORLD = {"seconds": float, "depth_pitches": float, "even_n": float, "calibrate_n": float, "patches": list}
-_FAULT = {"kind": str, "row": int, "column": int}
+
+
+class ArrayKeys(Table):
+    """[array]."""
+
+    RENAMED: ClassVar = {"min_load_n": ("[cop] min_load_n", 1)}
+    rows: Side
+    columns: Side
+    material: str
+
+    def __post_init__(self):
+        one_of("material", self.material, fsr.MATERIALS)
+
+
+class ReadoutKeys(Table):
+    """[readout]."""
+
+    circuit: str
+    unselected: str
+    supply_v: Positive
+    driver_ohm: Positive
+    load_ohm: Positive
+
+    def __post_init__(self):
+        one_of("circuit", self.circuit, fsr.CIRCUITS)
+        one_of("unselected", self.unselected, fsr.UNSELECTED)
+
+
+class ConverterKeys(Table):
+    """[converter], from 0 V to the supply."""
+
+    bits: Annotated[int, Meta(ge=1, le=16)]
+    noise_v: Annotated[float, Meta(ge=0, le=100)]
+
+
+class World(Table):
+    """[world]; ``even_n``, ``calibrate_n``: newtons on each cell."""
+
+    seconds: Positive
+    depth_pitches: Positive
+    even_n: Positive
+    calibrate_n: Positive
+    patches: Patches
+
+
+class _Fault(Table):
+    kind: str
+
+
+class CellFault(_Fault):
+    """[[faults]] of a cell."""
+
+    row: int
+    column: int
+
+
+class RowFault(_Fault):
+    row: int
+
+
+class ColumnFault(_Fault):
+    column: int
+
+
+_OF_LINES = {"dead row": RowFault, "open column": ColumnFault}
+
+
+class Keys(base.Keys):
+    """The file of a scene of a resistive matrix."""
+
+    rate_hz: Count
+    array: ArrayKeys
+    cop: Cop
+    readout: ReadoutKeys
+    converter: ConverterKeys
+    world: World
+    faults: Annotated[list[dict], Meta(min_length=1)] | None = None
+
+    def __post_init__(self):
+        if round(self.world.seconds * self.rate_hz) < 1:
+            raise ValueError(f"[world]: seconds = {self.world.seconds:g} hold no frame")
+
+
 CALIBRATION_STEPS, CALIBRATION_FRAMES = 6, 16  # forces from 0 up, frames at each
 EVEN_FRAMES = 64
 ORIGINS = {
@@ -76,49 +157,30 @@ class Recording(base.Recording):
 
 
 def _fault(where, row, rows, columns):
-    one_of(where, "kind", row.get("kind"), fsr.FAULTS)
-    unused = {"dead row": "column", "open column": "row"}.get(row["kind"])
-    row = fields(where, row, {key: kind for key, kind in _FAULT.items() if key != unused})
-    between(where, row, {key: (0, n - 1) for key, n in (("row", rows), ("column", columns)) if key in row})
+    with naming(where):
+        one_of("kind", row.get("kind"), fsr.FAULTS)
+    row = values(read(_OF_LINES.get(row.get("kind"), CellFault), row, where))
+    for key, count in (("row", rows), ("column", columns)):
+        if not 0 <= row.get(key, 0) < count:
+            raise ValueError(f"{where}: {key} = {row[key]} must lie in 0 .. {count - 1}")
     return fsr.Fault(**{"row": -1, "column": -1, **row})
 
 
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    where = f"scene {name}"
-    expected = _TOP | ({"faults": list} if "faults" in table else {})
-    top, own = base.top(name, table, expected)
-    at = f"{where}, [array]"
-    array = fields(at, top["array"], _ARRAY)
-    between(at, array, {"rows": (1, 1024), "columns": (1, 1024), "min_load_n": (0, 1e6)})
-    one_of(at, "material", array["material"], tuple(fsr.MATERIALS))
-    at = f"{where}, [readout]"
-    readout = fields(at, top["readout"], _READOUT)
-    one_of(at, "circuit", readout["circuit"], fsr.CIRCUITS)
-    one_of(at, "unselected", readout["unselected"], fsr.UNSELECTED)
-    positive(at, readout, ["supply_v", "driver_ohm", "load_ohm"])
-    at = f"{where}, [converter]"
-    converter = fields(at, top["converter"], _CONVERTER)
-    between(at, converter, {"bits": (1, 16), "noise_v": (0, 100)})
-    at = f"{where}, [world]"
-    world = fields(at, top["world"], _WORLD)
-    positive(at, world, ["seconds", "depth_pitches", "even_n", "calibrate_n"])
-    rows = tables(at, "world.patches", world["patches"])
-    world["patches"] = tuple(cop.patch(f"{where}, [[world.patches]]", row) for row in rows)
-    if round(world["seconds"] * top["rate_hz"]) < 1:
-        raise ValueError(f"{at}: seconds = {world['seconds']:g} hold no frame")
-    faults = tables(where, "faults", top["faults"]) if "faults" in top else ()
-    size = array["rows"], array["columns"]
+    keys, own = base.read(name, table, Keys)
+    array, converter, supply_v = keys.array, keys.converter, keys.readout.supply_v
+    size, at = (array.rows, array.columns), f"scene {name}, [[faults]]"
     return Scene(
         **own,
-        rows=array["rows"],
-        columns=array["columns"],
-        material=fsr.MATERIALS[array["material"]],
-        min_load_n=array["min_load_n"],
-        readout=fsr.Readout(**readout),
-        adc=Adc(converter["bits"], 0.0, readout["supply_v"], converter["noise_v"]),
-        world=world,
-        faults=tuple(_fault(f"{where}, [[faults]]", row, *size) for row in faults),
+        rows=array.rows,
+        columns=array.columns,
+        material=fsr.MATERIALS[array.material],
+        min_load_n=keys.cop.min_load_n,
+        readout=fsr.Readout(**values(keys.readout)),
+        adc=Adc(converter.bits, 0.0, supply_v, converter.noise_v),
+        world=values(keys.world) | {"patches": cop.paths(keys.world.patches)},
+        faults=tuple(_fault(at, row, *size) for row in keys.faults or ()),
     )
 
 

@@ -1,18 +1,20 @@
 """Scenes of an object held on the four-wire sensor: pulled until it slips, or gripped harder and softer."""
 
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
+from msgspec import Meta
 
 from meissner.builds import four_wires
-from meissner.check import between, fields, numbers, one_of, positive, tables
-from meissner.engines import COP_ONE
+from meissner.builds.cop_tables import CopSlipKeys
 from meissner.physics import grip, mesh_loads, plate
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Solution
 from meissner.scenes import base
 from meissner.scenes.mesh.scene import electrodes
-from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
+from meissner.tables import Count, Positive, Table, naming, one_of, values
+from meissner.twins.cop.cop_slip import CopSlipRegisters
 
 FEATURES = {
     "cop4": "slip is detected in the electrodes' position and load",
@@ -31,14 +33,54 @@ WHY = {
 COMPONENTS = tuple(WHY)
 _BYTES = 32  # per taxel of a sample: loads applied and felt
 
-_TOP = base.TOP | {"rate_hz": int, "seeds": int}
-_TOP |= {**four_wires.TABLES, "slip": dict, "world": dict}
-_SLIP = dict.fromkeys(("lag_s", "drop", "move", "min_load_n", "hold_s", "refractory_s"), float)
-_TIMES = ("press_s", "rest_s", "after_s")
-_WORLD = dict.fromkeys((*_TIMES, "wire_n_mm", "pitch_mm", "cover_pitches", "cover_mm"), float)
-_WORLD |= {"pulls": list, "grips": list}
-_PULL = {"name": str, "grip_n": float, "direction_deg": float, "speed_mm_s": float, "material": str}
-_GRIP = {"name": str, "grip_n": float, "ramp_s": float, "to_n": list}
+
+class PullKeys(Table):
+    """[[world.pulls]]."""
+
+    name: str
+    grip_n: Positive
+    direction_deg: Annotated[float, Meta(ge=-360, le=360)]
+    speed_mm_s: Positive
+    material: str
+
+    def __post_init__(self):
+        one_of("material", self.material, plate.MATERIALS)
+
+
+class GripKeys(Table):
+    """[[world.grips]]."""
+
+    name: str
+    grip_n: Positive
+    ramp_s: Positive
+    to_n: Annotated[tuple[Annotated[float, Meta(ge=0, le=1e6)], ...], Meta(min_length=1)]
+
+
+class World(Table):
+    """[world]."""
+
+    press_s: Positive
+    rest_s: Positive
+    after_s: Positive
+    wire_n_mm: Positive
+    pitch_mm: Positive
+    cover_pitches: Positive
+    cover_mm: Annotated[float, Meta(ge=0, le=100)]
+    pulls: Annotated[list[PullKeys], Meta(min_length=1)]
+    grips: Annotated[list[GripKeys], Meta(min_length=1)]
+
+
+class Keys(base.Keys):
+    """The file of a scene of an object on the four-wire sensor."""
+
+    RENAMED: ClassVar = {"slip": ("[cop_slip]", 1)}
+    rate_hz: Count
+    seeds: Count
+    mesh: four_wires.MeshKeys
+    converter: four_wires.NoisyConverter
+    load: four_wires.Load
+    cop_slip: CopSlipKeys
+    world: World
 
 
 @dataclass(frozen=True)
@@ -98,64 +140,19 @@ class Recording(base.Recording):
     y: np.ndarray
 
 
-def _registers(where, slip, rate_hz, load_lsb_n):
-    """(lag, ``CopSlipRegisters``) of a checked [slip]."""
-
-    def samples(seconds):
-        return round(seconds * rate_hz)
-
-    registers = CopSlipRegisters(
-        drop=round(256 * slip["drop"]),
-        move=round(slip["move"] * COP_ONE),
-        min_load=round(slip["min_load_n"] / load_lsb_n),
-        hold=samples(slip["hold_s"]),
-        refractory=samples(slip["refractory_s"]),
-    )
-    lag = samples(slip["lag_s"])
-    try:
-        CopSlip(lag, registers)
-    except ValueError as problem:
-        raise ValueError(f"{where}: {problem}") from None
-    return lag, registers
-
-
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
-    top, own = base.top(name, table, _TOP)
-    mesh = four_wires.mesh_table(f"{where}, [mesh]", top["mesh"])
-    config = four_wires.config(where, mesh, top["converter"], top["load"], noise=True)
-
-    inside = f"{where}, [slip]"
-    slip = fields(inside, top["slip"], _SLIP)
-    between(inside, slip, {"lag_s": (0, 60), "drop": (0, 1), "move": (0, 2), "min_load_n": (0, 1e6)})
-    between(inside, slip, {"hold_s": (0, 60), "refractory_s": (0, 60)})
-    lag, registers = _registers(inside, slip, top["rate_hz"], config.load_lsb_n)
-
-    inside = f"{where}, [world]"
-    world = fields(inside, top["world"], _WORLD)
-    positive(inside, world, [*_TIMES, "wire_n_mm", "pitch_mm", "cover_pitches"])
-    between(inside, world, {"cover_mm": (0, 100)})
-    conditions, at = [], f"{where}, [[world.pulls]]"
-    for row in tables(inside, "world.pulls", world.pop("pulls")):
-        row = fields(at, row, _PULL)
-        positive(at, row, ["grip_n", "speed_mm_s"])
-        between(at, row, {"direction_deg": (-360, 360)})
-        one_of(at, "material", row["material"], tuple(plate.MATERIALS))
-        conditions.append(Pull(**row))
-    at = f"{where}, [[world.grips]]"
-    for row in tables(inside, "world.grips", world.pop("grips")):
-        row = fields(at, row, _GRIP)
-        positive(at, row, ["grip_n", "ramp_s"])
-        row["to_n"] = numbers(at, "to_n", row["to_n"], least=0, most=1e6)
-        conditions.append(Grip(**row))
+    keys, own = base.read(name, table, Keys)
+    mesh = keys.mesh.mesh(keys.mesh.r_ohm)
+    config = four_wires.config(where, mesh, keys.converter, keys.load)
+    with naming(f"{where}, [cop_slip]"):
+        lag, registers = keys.cop_slip.codes(keys.rate_hz, config.load_lsb_n)
+    world = values(keys.world)
+    conditions = [Pull(**values(row)) for row in world.pop("pulls")]
+    conditions += [Grip(**values(row)) for row in world.pop("grips")]
     return Scene(
-        **own,
-        config=config,
-        lag=lag,
-        registers=registers,
-        world=world,
-        conditions=tuple(conditions),
+        **own, config=config, lag=lag, registers=registers, world=world, conditions=tuple(conditions)
     )
 
 

@@ -1,18 +1,21 @@
 """Scenes of a hand with two slip sensors that holds a glass by the reflex: pouring, letting go, tugs."""
 
 from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from msgspec import UNSET, Meta, UnsetType
 
-from meissner.check import between, fields, numbers, one_of, positive, tables
+from meissner.builds.units import Units
 from meissner.physics import plate
 from meissner.physics.hand import COUNT_MM, GRIP_N_MM, MASS_S, Grasp
 from meissner.physics.rubber import SUPPLY_V
 from meissner.physics.slide import G_MM_S2
 from meissner.physics.stepped import HEAL_S
 from meissner.scenes import base
-from meissner.scenes.rubber.settings import threshold_code
-from meissner.twins.actuate.grip import BOOST_BITS, RULES, TOP, GripConfig
+from meissner.scenes.rubber.scene import Event
+from meissner.tables import Positive, Share, Table, naming, one_of, values
+from meissner.twins.actuate.grip import BOOST_BITS, TOP, GripConfig
 from meissner.twins.slip.config import SlipConfig
 
 FEATURES = {
@@ -35,24 +38,99 @@ COMPONENTS = tuple(WHY)
 AT_ONCE = 50  # runs that advance together
 _CYCLE_BYTES, _SAMPLE_BYTES = 1000, 64
 
-_TOP = base.SAMPLED | {"slip": dict, "grip": dict, "world": dict}
-_SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float, "threshold_share": float}
-_GRIP = dict.fromkeys(("step_mm", "decay_mm_s", "rate_mm_s", "least_mm", "most_mm", "silent_s"), float)
-_GRIP |= {"rule": str}
-# Optional keys, (least, most): of the reflex, and of the host that sets step and decay.
-_BOOST = {"boost": (0, 2**BOOST_BITS - 1)}
-_STEPS = dict.fromkeys(("step_share", "calm_share"), (0.0, 0.1)) | {"guard_s": (0.0, 1e3)}
-_STEPS |= {"calm_decay_share": (0.0, 1.0)}
-_SPREADS = ("mass_spread", "friction_spread", "pour_spread")
-_WORLD = dict.fromkeys((*_SPREADS, "duration_s", "hold_from_s", "mass_kg", "poured_kg"), float)
-_WORLD |= dict.fromkeys(("pour_start_s", "pour_kg_s", "grain_kg"), float)
-_WORLD |= {"material": str, "grip_ratio": list, "tugs": list, "conditions": list}
-_CONDITION = {"name": str, "first_event": float, "cycle_ms": int}
-# Optional keys of a condition, (least, most).
-_OPTIONAL = {"heal_s": (0.001, 1e3), "step_mm": (0.0, 1.0), "threshold_v": (0.0, 5.0), "halves_s": (0.0, 1e4)}
-_OPTIONAL |= {"dead_s": (0.0, 1e4), "decay_mm_s": (0.0, 1.0), "duration_s": (0.1, 1e4)}
-_OPTIONAL |= {"count_mm": (1e-6, COUNT_MM), "down_mm": (0.0, 10.0)}
+_STEPS = ("step_share", "calm_share", "guard_s", "calm_decay_share")
 CYCLES_MS = (1, 2, 5, 10)
+_Spread = Annotated[float, Meta(ge=0, le=0.2)]
+_Seconds = Annotated[float, Meta(ge=0, le=1e4)]
+_Range = Annotated[float, Meta(ge=0, le=1e3)]
+_Step = Annotated[float, Meta(ge=0, le=0.1)]
+_Volts = Annotated[float, Meta(ge=0, le=5)]
+_Millimetre = Annotated[float, Meta(ge=0, le=1)]
+
+
+class SlipKeys(Table):
+    """[slip]: of the slip path, what the reflex needs; the share is of Vc (1 - Vc/5 V), peak to peak too."""
+
+    RENAMED: ClassVar = {"threshold_v": ("threshold_p2p_v", 2), "threshold_share": ("threshold_p2p_share", 2)}
+    window: int
+    level: Literal[1, 2, 3]
+    threshold_p2p_v: _Volts
+    threshold_p2p_share: Share
+
+
+class GripKeys(Table):
+    """[grip]: of the reflex, and of the host that sets step and decay, each off where it is left out."""
+
+    RENAMED: ClassVar = {"silent_s": ("silent_ms", 1000)}
+    step_mm: _Range
+    decay_mm_s: _Range
+    rate_mm_s: _Range
+    least_mm: _Range
+    most_mm: _Range
+    silent_ms: Annotated[float, Meta(ge=0, le=1e6)]
+    rule: Literal["any", "weakest"]
+    boost: Annotated[int, Meta(ge=0, le=2**BOOST_BITS - 1)] = 0
+    step_share: _Step = 0.0
+    calm_share: _Step = 0.0
+    guard_s: _Range = 0.0
+    calm_decay_share: Share = 0.0
+
+
+class ConditionKeys(Table):
+    """[[world.conditions]]; what is left out is as in Condition."""
+
+    RENAMED: ClassVar = {"threshold_v": ("threshold_p2p_v", 2)}
+    name: str
+    first_event: Event
+    cycle_ms: Literal[CYCLES_MS]
+    heal_s: Annotated[float, Meta(ge=0.001, le=1e3)] | UnsetType = UNSET
+    step_mm: _Millimetre | UnsetType = UNSET
+    threshold_p2p_v: _Volts | UnsetType = UNSET
+    halves_s: _Seconds | UnsetType = UNSET
+    dead_s: _Seconds | UnsetType = UNSET
+    decay_mm_s: _Millimetre | UnsetType = UNSET
+    duration_s: Annotated[float, Meta(ge=0.1, le=1e4)] | UnsetType = UNSET
+    count_mm: Annotated[float, Meta(ge=1e-6, le=COUNT_MM)] | UnsetType = UNSET
+    down_mm: Annotated[float, Meta(ge=0, le=10)] | UnsetType = UNSET
+
+
+class World(Table):
+    """[world]."""
+
+    mass_spread: _Spread
+    friction_spread: _Spread
+    pour_spread: _Spread
+    duration_s: Positive
+    hold_from_s: _Seconds
+    mass_kg: Positive
+    poured_kg: Annotated[float, Meta(ge=0, le=10)]
+    pour_start_s: _Seconds
+    pour_kg_s: Positive
+    grain_kg: Positive
+    material: str
+    grip_ratio: tuple[Annotated[float, Meta(ge=1, le=100)], Annotated[float, Meta(ge=1, le=100)]]
+    tugs: list[tuple[_Seconds, _Seconds, _Seconds]]
+    conditions: Annotated[list[ConditionKeys], Meta(min_length=1)]
+
+    def __post_init__(self):
+        one_of("material", self.material, plate.MATERIALS)
+        for row in self.conditions:
+            lasts_s = row.duration_s or self.duration_s
+            if self.hold_from_s >= lasts_s:
+                raise ValueError(f"hold_from_s = {self.hold_from_s:g} must be below {lasts_s:g} s")
+
+
+class Keys(base.SampledKeys):
+    """The file of a scene of a hand."""
+
+    slip: SlipKeys
+    grip: GripKeys
+    world: World
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.rate_hz % 1000:
+            raise ValueError(f"rate_hz = {self.rate_hz} must be a multiple of 1000")
 
 
 @dataclass(frozen=True)
@@ -60,9 +138,9 @@ class Condition:
     """``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
 
     ``step_mm``, ``decay_mm_s``, ``duration_s`` replace the scene's, the step without ``boost``;
-    ``threshold_v``, too, and then stays constant. ``halves_s``: time at which friction halves; ``dead_s``:
-    time after which both converters give their highest code. ``count_mm``: millimetres per count of the
-    command. Finer counts span less: with ``down_mm`` the command's zero lies that far below the initial grip,
+    ``threshold_p2p_v``, too, and then stays constant. ``halves_s``: time at which friction halves;
+    ``dead_s``: time after which both converters give their highest code. ``count_mm``: millimetres per count
+    of the command. Finer counts span less: with ``down_mm`` the command's zero lies that far below the grip,
     and all 16 bits are its range.
     """
 
@@ -72,7 +150,7 @@ class Condition:
     heal_s: float = HEAL_S
     step_mm: float | None = None
     decay_mm_s: float | None = None
-    threshold_v: float | None = None
+    threshold_p2p_v: float | None = None
     halves_s: float | None = None
     dead_s: float | None = None
     duration_s: float | None = None
@@ -92,36 +170,36 @@ class Scene(base.Sampled):
     def duration_s(self, condition):
         return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
 
-    def threshold_v(self, condition, vc_v=None):
-        """The threshold on the Haar coefficient; that on peak to peak is twice as high.
+    def threshold_p2p_v(self, condition, vc_v=None):
+        """The threshold on the Haar coefficient's peak to peak.
 
         An event takes a share of the rubber's conductance, which in volts is that share of Vc (1 - Vc/5 V).
-        With ``threshold_share`` above 0 the threshold follows ``vc_v`` in this way (None: threshold_v).
+        With ``threshold_p2p_share`` above 0 the threshold follows ``vc_v`` in this way, if it is given.
         """
-        if condition.threshold_v is not None:
-            return condition.threshold_v
-        share = self.slip["threshold_share"]
+        if condition.threshold_p2p_v is not None:
+            return condition.threshold_p2p_v
+        share = self.slip["threshold_p2p_share"]
         if vc_v is None or not share:
-            return self.slip["threshold_v"]
+            return self.slip["threshold_p2p_v"]
         return share * vc_v * (1.0 - vc_v / SUPPLY_V)
+
+    def _code(self, volts):
+        return Units(volts_per_code=self.adc.lsb_v, level=self.slip["level"]).detail_code(volts)
 
     def threshold(self, condition, vc_v):
         """The threshold on peak to peak in codes, at least 1, that a host writes for each run's ``vc_v``."""
-        level = self.slip["level"]
-        return np.array(
-            [max(1, threshold_code(self.threshold_v(condition, v), level, self.adc.lsb_v)) for v in vc_v]
-        )
+        return np.array([max(1, self._code(self.threshold_p2p_v(condition, v))) for v in vc_v])
 
     def slip_config(self, condition) -> SlipConfig:
         """The slip detector's settings in codes and details."""
         level, window = self.slip["level"], self.slip["window"]
-        codes = threshold_code(self.threshold_v(condition), level, self.adc.lsb_v)
-        return SlipConfig(window=window, hop=window, level=level, threshold=codes, gross_threshold=codes)
+        code = self._code(self.threshold_p2p_v(condition))
+        return SlipConfig(window=window, hop=window, level=level, threshold=code, gross_threshold=code)
 
     @property
     def steps(self):
         """The settings of scenes.hand.host; if all are 0, it writes the threshold only."""
-        return {key: self.grip.get(key, 0.0) for key in _STEPS}
+        return {key: self.grip[key] for key in _STEPS}
 
     def decay(self, condition):
         """The decay of the condition, or else of the scene, in counts per cycle."""
@@ -137,12 +215,12 @@ class Scene(base.Sampled):
         step_mm = grip["step_mm"] if condition.step_mm is None else condition.step_mm
         return GripConfig(
             step=round(step_mm / count_mm),
-            boost=grip.get("boost", 0) if condition.step_mm is None else 0,
+            boost=grip["boost"] if condition.step_mm is None else 0,
             decay=self.decay(condition),
             rate=round(grip["rate_mm_s"] * cycle_s / count_mm),
             minimum=round(grip["least_mm"] / count_mm) if condition.down_mm is None else 0,
             maximum=round(grip["most_mm"] / count_mm) if condition.down_mm is None else TOP,
-            watchdog=max(1, round(grip["silent_s"] / cycle_s)),
+            watchdog=max(1, round(grip["silent_ms"] / condition.cycle_ms)),
             rule=grip["rule"],
         )
 
@@ -153,48 +231,17 @@ class Scene(base.Sampled):
         return min(max(round(place_mm / condition.count_mm), config.minimum), config.maximum)
 
 
-def _world(where, table):
-    world = fields(where, table, _WORLD)
-    positive(where, world, ["duration_s", "mass_kg", "grain_kg", "pour_kg_s"])
-    between(where, world, dict.fromkeys(_SPREADS, (0.0, 0.2)))
-    between(where, world, {"poured_kg": (0.0, 10.0), "pour_start_s": (0.0, 1e4)})
-    between(where, world, {"hold_from_s": (0.0, 1e4)})
-    one_of(where, "material", world["material"], tuple(plate.MATERIALS))
-    world["grip_ratio"] = numbers(where, "grip_ratio", world["grip_ratio"], 2, 1.0, 100.0)
-    world["tugs"] = [numbers(where, "tugs", tug, 3, 0.0, 1e4) for tug in world["tugs"]]
-    return world
-
-
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    where = f"scene {name}"
-    top, own = base.top(name, table, _TOP)
-    if top["rate_hz"] % 1000:
-        raise ValueError(f"{where}: rate_hz = {top['rate_hz']} must be a multiple of 1000")
-    slip = fields(f"{where}, [slip]", top["slip"], _SLIP)
-    more = {key: limits for key, limits in (_BOOST | _STEPS).items() if key in top["grip"]}
-    kinds = {key: type(least) for key, (least, _) in more.items()}
-    grip = fields(f"{where}, [grip]", top["grip"], _GRIP | kinds)
-    between(f"{where}, [slip]", slip, {"threshold_share": (0.0, 1.0)})
-    between(f"{where}, [grip]", grip, {key: (0.0, 1e3) for key in grip if key != "rule"} | more)
-    one_of(f"{where}, [grip]", "rule", grip["rule"], RULES)
-    world = _world(f"{where}, [world]", top["world"])
-    conditions, inside = [], f"{where}, [[world.conditions]]"
-    for row in tables(f"{where}, [world]", "world.conditions", world.pop("conditions")):
-        row = fields(inside, row, _CONDITION | {key: float for key in _OPTIONAL if key in row})
-        between(inside, row, {key: limits for key, limits in _OPTIONAL.items() if key in row})
-        between(inside, row, {"first_event": (0.0, 0.9)})
-        one_of(inside, "cycle_ms", row["cycle_ms"], CYCLES_MS)
-        conditions.append(Condition(**row))
-        lasts_s = row.get("duration_s", world["duration_s"])
-        if world["hold_from_s"] >= lasts_s:
-            raise ValueError(f"{inside}: hold_from_s = {world['hold_from_s']:g} must be below {lasts_s:g} s")
-    scene = Scene(**own, slip=slip, grip=grip, world=world, conditions=tuple(conditions))
+    keys, own = base.read(name, table, Keys)
+    world = values(keys.world)
+    rows = [values(row) for row in world.pop("conditions")]
+    given = ({key: value for key, value in row.items() if value is not UNSET} for row in rows)
+    conditions = tuple(Condition(**row) for row in given)
+    scene = Scene(**own, slip=values(keys.slip), grip=values(keys.grip), world=world, conditions=conditions)
     for condition in conditions:
-        try:
+        with naming(f"scene {name}"):
             scene.slip_config(condition), scene.grip_config(condition)
-        except ValueError as problem:
-            raise ValueError(f"{where}: {problem}") from None
     return scene
 
 

@@ -1,16 +1,18 @@
 """Scenes of the four-wire resistor mesh: loads in newtons, electrode voltages, codes, the ground truth."""
 
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
+from msgspec import Meta
 
 from meissner.builds import four_wires
-from meissner.check import between, fields, numbers, one_of, positive, tables
 from meissner.physics import mesh_loads
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh, Solution
 from meissner.physics.mesh_loads import SETTLED
 from meissner.scenes import base
+from meissner.tables import Count, Positive, Table, naming, values
 
 CONVERTER = "converter"  # modelled for every engine except float, which takes the voltages
 FEATURES = {"cop4": "position and load of the electrodes are compared with the forces"}
@@ -24,20 +26,79 @@ WHY = {
 }
 COMPONENTS = tuple(WHY)
 _BYTES = 32  # per taxel of a sample: forces, felt loads, and the places above 0
-_TOP = base.TOP | {"rate_hz": int, **four_wires.TABLES, "world": dict}
-_WORLD = {
-    "points": {"steps": int, "points": list},
-    "random": {"count": int, "draws": int, "totals_n": list, "split": str},
-    "pulse": {
-        "seconds": float,
-        "start_s": float,
-        "pulse_s": float,
-        "response_s": float,
-        "rest_n": float,
-        "points": list,
-    },
-    "stroke": {"steps": int, "force_n": float, "radius": float, "cover_radius": float},
-}
+_Newtons = Annotated[float, Meta(ge=0, le=1e6)]
+_Steps = Annotated[int, Meta(ge=1, le=10**6)]
+_Unit = Annotated[float, Meta(ge=-1, le=1)]
+
+
+class MeshKeys(four_wires.Circuit):
+    """[mesh]: each resistance is a condition."""
+
+    r_ohm: Annotated[list[Annotated[float, Meta(ge=1e-6, le=1e9)]], Meta(min_length=1)]
+
+
+class Moved(Table):
+    """[[world.points]] of kind points: a place, and its force from the first step to the last."""
+
+    at: tuple[_Unit, _Unit]
+    force_n: tuple[_Newtons, _Newtons]
+
+
+class Pressed(Table):
+    """[[world.points]] of kind pulse."""
+
+    at: tuple[_Unit, _Unit]
+    force_n: tuple[_Newtons]
+
+
+class Points(Table, tag_field="kind", tag="points"):
+    """[world] of kind points."""
+
+    steps: _Steps
+    points: Annotated[list[Moved], Meta(min_length=1)]
+
+
+class Random(Table, tag_field="kind", tag="random"):
+    """[world] of kind random."""
+
+    count: Count
+    draws: _Steps
+    totals_n: Annotated[tuple[Annotated[float, Meta(ge=1e-6, le=1e6)], ...], Meta(min_length=1)]
+    split: Literal["equal", "random"]
+
+
+class Pulse(Table, tag_field="kind", tag="pulse"):
+    """[world] of kind pulse."""
+
+    seconds: Positive
+    start_s: Positive
+    pulse_s: Positive
+    response_s: Positive
+    rest_n: _Newtons
+    points: Annotated[list[Pressed], Meta(min_length=1)]
+
+    def __post_init__(self):
+        if self.start_s + self.pulse_s > self.seconds:
+            raise ValueError(f"the pulse must end within seconds = {self.seconds:g}")
+
+
+class Stroke(Table, tag_field="kind", tag="stroke"):
+    """[world] of kind stroke; radii in half ranges."""
+
+    steps: Annotated[int, Meta(ge=3, le=10**6)]
+    force_n: Positive
+    radius: Annotated[float, Meta(ge=1e-3, le=1)]
+    cover_radius: Positive
+
+
+class Keys(base.Keys):
+    """The file of a scene of the mesh."""
+
+    rate_hz: Count
+    mesh: MeshKeys
+    converter: four_wires.NoisyConverter
+    load: four_wires.Load
+    world: Points | Random | Pulse | Stroke
 
 
 @dataclass(frozen=True)
@@ -87,49 +148,23 @@ def _taxel(where, scene_rows, scene_columns, at):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
-    top, own = base.top(name, table, _TOP)
-    inside = f"{where}, [mesh]"
-    mesh = four_wires.mesh_table(inside, top["mesh"], r_ohm=list)
-    mesh["r_ohm"] = numbers(inside, "r_ohm", mesh["r_ohm"], least=1e-6, most=1e9)
-    configs = tuple(
-        four_wires.config(where, mesh | {"r_ohm": r}, top["converter"], top["load"], noise=True)
-        for r in mesh["r_ohm"]
-    )
-
-    inside = f"{where}, [world]"
-    world = dict(top["world"])
-    kind = world.pop("kind", None)
-    one_of(inside, "kind", kind, tuple(_WORLD))
-    world = fields(inside, world, _WORLD[kind])
-    if kind == "random":
-        between(inside, world, {"count": (1, mesh["rows"] * mesh["columns"]), "draws": (1, 10**6)})
-        one_of(inside, "split", world["split"], ("equal", "random"))
-        world["totals_n"] = numbers(inside, "totals_n", world["totals_n"], least=1e-6, most=1e6)
-    elif kind == "stroke":
-        between(inside, world, {"steps": (3, 10**6), "radius": (1e-3, 1)})
-        positive(inside, world, ["force_n", "cover_radius"])
-    else:
-        points, at = [], f"{where}, [[world.points]]"
-        for row in tables(inside, "world.points", world["points"]):
-            row = fields(at, row, {"at": list, "force_n": list})
-            force_n = numbers(at, "force_n", row["force_n"], 2 if kind == "points" else 1, 0, 1e6)
-            place = numbers(at, "at", row["at"], 2, -1, 1)
-            points.append((*_taxel(at, mesh["rows"], mesh["columns"], place), force_n))
-        world["points"] = tuple(points)
-    if kind == "points":
-        between(inside, world, {"steps": (1, 10**6)})
-    if kind == "pulse":
-        positive(inside, world, ["seconds", "start_s", "pulse_s", "response_s"])
-        between(inside, world, {"rest_n": (0, 1e6)})
-        if world["start_s"] + world["pulse_s"] > world["seconds"]:
-            raise ValueError(f"{inside}: the pulse must end within seconds = {world['seconds']:g}")
+    keys, own = base.read(name, table, Keys)
+    mesh, world = keys.mesh, values(keys.world)
+    configs = (four_wires.config(where, mesh.mesh(r), keys.converter, keys.load) for r in mesh.r_ohm)
+    if "points" in world:
+        at = f"{where}, [[world.points]]"
+        rows = world["points"]
+        world["points"] = tuple((*_taxel(at, mesh.rows, mesh.columns, row.at), row.force_n) for row in rows)
+    with naming(f"{where}, [world]"):
+        if world.get("count", 1) > mesh.rows * mesh.columns:
+            raise ValueError(f"count = {world['count']} must lie in 1 .. {mesh.rows * mesh.columns}")
     return Scene(
         **own,
-        rows=mesh["rows"],
-        columns=mesh["columns"],
-        r_ohm=mesh["r_ohm"],
-        configs=configs,
-        kind=kind,
+        rows=mesh.rows,
+        columns=mesh.columns,
+        r_ohm=tuple(mesh.r_ohm),
+        configs=tuple(configs),
+        kind=type(keys.world).__struct_config__.tag,
         world=world,
     )
 

@@ -5,32 +5,102 @@ follows it. Optional keys of a condition (Condition) are off if they are not giv
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from meissner.check import between, fields, one_of, positive
+from msgspec import Meta
+
+from meissner.builds.slip_table import SlipOfScene
+from meissner.builds.units import of_scene
 from meissner.physics import plate, rubber
 from meissner.scenes import base
 from meissner.scenes.rubber import recording
 from meissner.scenes.rubber.recording import COMPONENTS, WHY, Recording, simulate
-from meissner.scenes.rubber.settings import Slip, codes, settings
+from meissner.tables import Positive, Table, naming, one_of, values
 from meissner.twins.slip.config import SlipConfig
 
-__all__ = ["COMPONENTS", "WHY", "Condition", "Recording", "Scene", "Slip", "build", "simulate"]
+__all__ = ["COMPONENTS", "WHY", "Condition", "Recording", "Scene", "build", "simulate"]
 
 FEATURES = {"slip": "its flag is judged against the truth"}
 _BYTES = 400  # per sample: times, volts, forces, details, decisions, as int64 and double
-_TOP = base.SAMPLED | {"slip": dict, "world": dict}
-_WORLD = {
-    "press": ("press_start_s", "press_s", "rest_s", "unload_s", "after_s"),
-    "pull": ("press_start_s", "press_s", "stage_start_s", "slide_s"),
-    "grip": ("press_start_s", "press_s", "stage_start_s", "slide_s"),
-}
-_PRESS = {"name": str, "normal_n": float}
-_PULL = _PRESS | {"speed_mm_s": float, "material": str}
-_CONDITION = {"press": _PRESS, "pull": _PULL, "grip": _PULL | {"follow": float}}
-# Optional keys, (least, most). first_event is at most 0.9: above it, a slip may have no event.
-_DISTURBED = {"hum_v": (0.0, 5.0), "flicker": (0.0, 0.1), "hysteresis": (0.0, 0.5)}
-_SLIPPING = {"first_event": (0.0, 0.9), "recovers": (0.0, 1.0), "burst": (1.0, 50.0)}
-_OPTIONAL = {"press": _DISTURBED, "pull": _DISTURBED | _SLIPPING, "grip": _DISTURBED | _SLIPPING}
+Event = Annotated[float, Meta(ge=0, le=0.9)]  # above 0.9, a slip may have no event
+Burst = Annotated[float, Meta(ge=1, le=50)]
+
+
+class Press(Table):
+    """[[world.conditions]] of kind press, with the disturbances of every kind."""
+
+    name: str
+    normal_n: Positive
+    hum_v: Annotated[float, Meta(ge=0, le=5)] = 0.0
+    flicker: Annotated[float, Meta(ge=0, le=0.1)] = 0.0
+    hysteresis: Annotated[float, Meta(ge=0, le=0.5)] = 0.0
+
+
+class Pull(Press, kw_only=True):
+    """Of kind pull."""
+
+    speed_mm_s: Positive
+    material: str
+    first_event: Event = rubber.ONSET_RATIO
+    recovers: Annotated[float, Meta(ge=0, le=1)] = rubber.RESTORED
+    burst: Burst = 1.0
+
+    def __post_init__(self):
+        one_of("material", self.material, plate.MATERIALS)
+
+
+class Grip(Pull, kw_only=True):
+    """Of kind grip."""
+
+    follow: float
+
+    def __post_init__(self):
+        super().__post_init__()
+        # At 1/mu, with the spread of friction, the grip would outrun the pull and nothing would slip.
+        most = round(0.8 / plate.MATERIALS[self.material].mu_s, 3)
+        if not 0 <= self.follow <= most:
+            raise ValueError(f"follow = {self.follow:g} must lie in 0 .. {most:g}")
+
+
+class PressWorld(Table, tag_field="kind", tag="press"):
+    """[world] of kind press: the times of loading and unloading."""
+
+    press_start_s: Positive
+    press_s: Positive
+    rest_s: Positive
+    unload_s: Positive
+    after_s: Positive
+    conditions: Annotated[list[Press], Meta(min_length=1)]
+
+
+class _Pulled(Table):
+    press_start_s: Positive
+    press_s: Positive
+    stage_start_s: Positive
+    slide_s: Positive
+
+    def __post_init__(self):
+        if self.stage_start_s < self.press_start_s + self.press_s:
+            raise ValueError("stage_start_s must not come before the end of pressing")
+
+
+class PullWorld(_Pulled, tag_field="kind", tag="pull"):
+    """[world] of kind pull."""
+
+    conditions: Annotated[list[Pull], Meta(min_length=1)]
+
+
+class GripWorld(_Pulled, tag_field="kind", tag="grip"):
+    """[world] of kind grip."""
+
+    conditions: Annotated[list[Grip], Meta(min_length=1)]
+
+
+class Keys(base.SampledKeys):
+    """The file of a scene of the rubber."""
+
+    slip: SlipOfScene
+    world: PressWorld | PullWorld | GripWorld
 
 
 @dataclass(frozen=True)
@@ -60,7 +130,7 @@ class Condition:
 class Scene(base.Sampled):
     """A checked scene. ``world``: the times of its kind."""
 
-    slip: Slip
+    slip: SlipOfScene
     kind: str
     world: dict
     conditions: tuple
@@ -87,11 +157,11 @@ class Scene(base.Sampled):
 
     def peak_to_peak_v(self):
         """The threshold on max cD - min cD."""
-        return 2.0 * self.slip.threshold_v
+        return self.slip.threshold_p2p_v
 
     def slip_config(self) -> SlipConfig:
         """The slip detector's settings in codes and details."""
-        return codes(self.slip, self.adc, self.rate_hz)
+        return self.slip.codes(of_scene(self))
 
 
 def modelled(scene):
@@ -106,49 +176,13 @@ def memory(scene):
     return _BYTES * samples, f"{samples:.3g} samples of the shown runs"
 
 
-def _condition(where, kind, row):
-    needed, optional = _CONDITION[kind], _OPTIONAL[kind]
-    row = fields(where, row, needed | {key: float for key in optional if key in row})
-    positive(where, row, [key for key in needed if key.endswith(("_n", "_s"))])
-    between(where, row, {key: limits for key, limits in optional.items() if key in row})
-    if kind != "press":
-        one_of(where, "material", row["material"], tuple(plate.MATERIALS))
-    if kind == "grip":
-        # At 1/mu, with the spread of friction, the grip would outrun the pull and nothing would slip.
-        most = 0.8 / plate.MATERIALS[row["material"]].mu_s
-        between(where, row, {"follow": (0.0, round(most, 3))})
-    return Condition(**row)
-
-
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    where = f"scene {name}"
-    top, own = base.top(name, table, _TOP)
-
-    slip = settings(f"{where}, [slip]", top["slip"])
-    world = dict(top["world"])
-    kind, rows = world.pop("kind", None), world.pop("conditions", None)
-    inside = f"{where}, [world]"
-    one_of(inside, "kind", kind, tuple(_WORLD))
-    world = fields(inside, world, dict.fromkeys(_WORLD[kind], float))
-    positive(inside, world, world)
-    if kind != "press" and world["stage_start_s"] < world["press_start_s"] + world["press_s"]:
-        raise ValueError(f"{inside}: stage_start_s must not come before the end of pressing")
-    if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
-        raise ValueError(f"{inside}: there must be at least one [[world.conditions]]")
-    conditions = []
-    for row in rows:
-        conditions.append(_condition(f"{where}, [[world.conditions]]", kind, row))
-
-    scene = Scene(
-        **own,
-        slip=slip,
-        kind=kind,
-        world=world,
-        conditions=tuple(conditions),
-    )
-    try:
+    keys, own = base.read(name, table, Keys)
+    world = values(keys.world)
+    conditions = tuple(Condition(**values(row)) for row in world.pop("conditions"))
+    kind = type(keys.world).__struct_config__.tag
+    scene = Scene(**own, slip=keys.slip, kind=kind, world=world, conditions=conditions)
+    with naming(f"scene {name}, [slip]"):
         scene.slip_config()
-    except ValueError as problem:
-        raise ValueError(f"{where}, [slip]: {problem}") from None
     return scene

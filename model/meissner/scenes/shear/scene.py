@@ -7,15 +7,19 @@ combination of the lists in [world] and its [[world.ways]].
 
 from dataclasses import dataclass
 from itertools import product
+from typing import Annotated
 
 import numpy as np
+from msgspec import Meta
 
-from meissner.check import between, fields, numbers, one_of, positive, tables
+from meissner.builds.slip_table import SlipOfScene
+from meissner.builds.units import of_scene
 from meissner.physics import plate, rubber
 from meissner.scenes import base
 from meissner.scenes.rubber.recording import partial_slip
-from meissner.scenes.rubber.settings import Slip, codes, settings
+from meissner.scenes.rubber.scene import Event
 from meissner.scenes.shear.published import SLOWEST_MM_S
+from meissner.tables import Positive, Share, Table, naming, one_of, values
 
 FEATURES = {
     "slip": "its false alarms are judged; in kind stick_slip also its flag",
@@ -34,14 +38,73 @@ WHY = {
 }
 COMPONENTS = tuple(WHY)
 _BYTES = 400  # per sample, as in the scenes of the rubber
-KINDS = ("amount", "speed", "recover", "stick_slip")
-_TOP = base.SAMPLED | {"slip": dict, "world": dict}
-_TIMES = ("press_start_s", "press_s", "shear_start_s", "held_s")
-_LISTS = ("normal_n", "speed_mm_s", "moved_mm")
-_WAY = {"name": str, "recovers": float, "lot": float, "published_v": float}
-_PULLED_WAY = {"name": str, "material": str, "first_event": float}
-_SLOPE = {"slope_s": float, "slope_v_s": float, "near_s": float}
 REST_S = 0.2  # least time between the end of pressing and the stage's start
+_LISTS = ("normal_n", "speed_mm_s", "moved_mm")
+_SLOPE = ("slope_s", "slope_v_s", "near_s")
+_Speed = Annotated[float, Meta(ge=SLOWEST_MM_S / 10, le=100)]
+_Moved = Annotated[float, Meta(ge=rubber.SHEAR_FULL_MM, le=10)]
+
+
+class Sheared(Table, tag_field="kind", tag="amount"):
+    """[world] of kind amount: times, and lists whose combinations are the cases."""
+
+    press_start_s: Positive
+    press_s: Positive
+    shear_start_s: Positive
+    held_s: Annotated[float, Meta(ge=0, le=600)]
+    normal_n: Annotated[list[Annotated[float, Meta(ge=0.3, le=20)]], Meta(min_length=1)]
+    speed_mm_s: Annotated[list[_Speed], Meta(min_length=1)]
+    moved_mm: Annotated[list[_Moved], Meta(min_length=1)]
+
+    def __post_init__(self):
+        if self.shear_start_s < self.press_start_s + self.press_s + REST_S - 1e-9:
+            raise ValueError(f"shear_start_s must come {REST_S:g} s or more after the end of pressing")
+
+
+class AtSpeeds(Sheared, tag="speed"):
+    """[world] of kind speed."""
+
+
+class Way(Table):
+    """[[world.ways]] of kind recover."""
+
+    name: str
+    recovers: Share
+    lot: Annotated[float, Meta(ge=0.1, le=10)]
+    published_v: Annotated[float, Meta(ge=0, le=5)]
+
+
+class Recovering(Sheared, tag="recover"):
+    """[world] of kind recover."""
+
+    ways: Annotated[list[Way], Meta(min_length=1)]
+
+
+class PulledWay(Table):
+    """[[world.ways]] of kind stick_slip."""
+
+    name: str
+    material: str
+    first_event: Event
+
+    def __post_init__(self):
+        one_of("material", self.material, plate.MATERIALS)
+
+
+class Pulled(Sheared, tag="stick_slip"):
+    """[world] of kind stick_slip, with the derivative of Vc as a detector."""
+
+    ways: Annotated[list[PulledWay], Meta(min_length=1)]
+    slope_s: Positive
+    slope_v_s: Positive
+    near_s: Positive
+
+
+class Keys(base.SampledKeys):
+    """The file of a scene of sheared rubber."""
+
+    slip: SlipOfScene
+    world: Sheared | AtSpeeds | Recovering | Pulled
 
 
 @dataclass(frozen=True)
@@ -69,7 +132,7 @@ class Case:
 class Scene(base.Sampled):
     """A checked scene. ``slope``: settings of the derivative of Vc as a detector, of kind stick_slip."""
 
-    slip: Slip
+    slip: SlipOfScene
     kind: str
     world: dict
     cases: tuple
@@ -77,7 +140,7 @@ class Scene(base.Sampled):
 
     def slip_config(self):
         """The slip detector's settings in codes and details."""
-        return codes(self.slip, self.adc, self.rate_hz)
+        return self.slip.codes(of_scene(self))
 
 
 @dataclass(frozen=True)
@@ -103,27 +166,6 @@ class Recording(base.Recording):
     onset_s: float | None
     gross_s: float | None
     slips_s: np.ndarray
-
-
-def _ways(where, kind, world):
-    """The checked rows of [[world.ways]]; a single nameless one for a kind that has none."""
-    if kind not in ("recover", "stick_slip"):
-        return ({"name": ""},)
-    rows, at, keys = (
-        tables(where, "world.ways", world.pop("ways", None)),
-        f"{where}, [[world.ways]]",
-        _PULLED_WAY if kind == "stick_slip" else _WAY,
-    )
-    ways = []
-    for row in rows:
-        row = fields(at, row, keys)
-        if kind == "stick_slip":
-            one_of(at, "material", row["material"], tuple(plate.MATERIALS))
-            between(at, row, {"first_event": (0.0, 0.9)})
-        else:
-            between(at, row, {"recovers": (0.0, 1.0), "lot": (0.1, 10.0), "published_v": (0.0, 5.0)})
-        ways.append(row)
-    return tuple(ways)
 
 
 def _cases(ways, world):
@@ -168,43 +210,17 @@ def check_supply(scene):
 
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
-    where = f"scene {name}"
-    top, own = base.top(name, table, _TOP)
-    slip = settings(f"{where}, [slip]", top["slip"])
-
-    inside, world = f"{where}, [world]", dict(top["world"])
-    kind = world.pop("kind", None)
-    one_of(inside, "kind", kind, KINDS)
-    ways = _ways(inside, kind, world)
-    pulled = kind == "stick_slip"
-    keys = dict.fromkeys(_TIMES, float) | dict.fromkeys(_LISTS, list) | (_SLOPE if pulled else {})
-    world = fields(inside, world, keys)
-    positive(inside, world, [key for key in world if key not in _LISTS and key != "held_s"])
-    between(inside, world, {"held_s": (0.0, 600.0)})
-    limits = {
-        "normal_n": (0.3, 20.0),
-        "speed_mm_s": (SLOWEST_MM_S / 10, 100.0),
-        "moved_mm": (rubber.SHEAR_FULL_MM, 10.0),
-    }
-    for key, (least, most) in limits.items():
-        world[key] = numbers(inside, key, world[key], least=least, most=most)
-    if world["shear_start_s"] < world["press_start_s"] + world["press_s"] + REST_S - 1e-9:
-        raise ValueError(f"{inside}: shear_start_s must come {REST_S:g} s or more after the end of pressing")
-    scene = Scene(
-        **own,
-        slip=slip,
-        kind=kind,
-        world=world,
-        cases=_cases(ways, world),
-        slope={key: world.pop(key) for key in _SLOPE} if pulled else None,
-    )
+    keys, own = base.read(name, table, Keys)
+    kind, world = type(keys.world).__struct_config__.tag, values(keys.world)
+    ways = [values(way) for way in world.pop("ways", [])] or [{"name": ""}]
+    slope = {key: world.pop(key) for key in _SLOPE} if isinstance(keys.world, Pulled) else None
+    cases = _cases(ways, world)
+    scene = Scene(**own, slip=keys.slip, kind=kind, world=world, cases=cases, slope=slope)
     for case in scene.cases:
         if _shear_samples(scene, case) < 10:
-            raise ValueError(f"{inside}: the shear of {case.name} is shorter than 10 samples")
-    try:
+            raise ValueError(f"scene {name}, [world]: the shear of {case.name} is shorter than 10 samples")
+    with naming(f"scene {name}, [slip]"):
         scene.slip_config()
-    except ValueError as problem:
-        raise ValueError(f"{where}, [slip]: {problem}") from None
     return scene
 
 

@@ -1,9 +1,10 @@
 """Slip of one rubber sensor: converter and detector, against missed slips, false alarms and delay."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, lru_cache
 
 import numpy as np
+from msgspec.structs import replace
 
 from meissner import interval, scenes
 from meissner.engines import fixed

@@ -1,5 +1,5 @@
-"""Bit-exact twin of rtl/frontend/msn_calibrate.sv, msn_taxel_table.sv and msn_grid_table.sv: forces from an array's
-samples, with a word a taxel or by row and column."""
+"""Bit-exact twin of rtl/frontend/msn_calibrate.sv, msn_taxel_table.sv and msn_grid_table.sv: forces from an
+array's samples, with a word a taxel or by row and column."""
 
 import numpy as np
 

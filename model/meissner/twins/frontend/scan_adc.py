@@ -20,8 +20,6 @@ class ScanAdc:
     clk_khz: int = 25_000
     sclk_khz: int | None = None
     sample_bits: int = 17
-    settle_bits: int = 16
-    period_bits: int = 32
     depth: int | None = None
 
     def __post_init__(self):
@@ -30,7 +28,8 @@ class ScanAdc:
         )
         plan = Scan(
             *(self.rows, self.columns, self.lanes, self.channels, adc.hold_clocks(), adc.cycle_clocks()),
-            *(self.settle_bits, self.period_bits, self.sample_bits, self.depth),
+            sample_bits=self.sample_bits,
+            depth=self.depth,
         )
         object.__setattr__(self, "adc", adc)
         object.__setattr__(self, "scan", plan)

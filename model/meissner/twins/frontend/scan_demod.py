@@ -27,8 +27,6 @@ class ScanDemod:
     periods: int = 4
     skip: int = 4  # samples ignored while the input settles
     shift: int = 3
-    settle_bits: int = 16
-    period_bits: int = 32
 
     def __post_init__(self):
         if self.part.has_busy:
@@ -73,10 +71,7 @@ class ScanDemod:
         demod = 5 + self.converters * bound
         hold = self.span + self.adc.hold_clocks()
         cycle = self.span + self.adc.cycle_clocks() + demod
-        return Scan(
-            *(self.rows, self.columns, 1, self.converters, hold, cycle),
-            *(self.settle_bits, self.period_bits, self.sample_bits),
-        )
+        return Scan(*(self.rows, self.columns, 1, self.converters, hold, cycle), sample_bits=self.sample_bits)
 
     def levels(self, samples, user=None):
         """(amplitude, over-range) [...] of bursts of signed samples [..., count]."""

@@ -1,4 +1,5 @@
-"""Bit-exact twin of rtl/link/msn_link.sv: payloads of a core's results; packets to levels of the line, and back."""
+"""Bit-exact twin of rtl/link/msn_link.sv: payloads of a core's results; packets to levels of the line and
+back."""
 
 from meissner.twins.link import packet as p
 from meissner.twins.link.cobs import encode

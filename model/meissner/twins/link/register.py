@@ -1,4 +1,4 @@
-"""The parts of a register map; the map itself is register_map.py."""
+"""The parts of a register map, and ``read``, which makes them of the table in register_map.py."""
 
 from dataclasses import dataclass
 
@@ -40,11 +40,13 @@ class Field:
 
 @dataclass(frozen=True)
 class Register:
+    """``applies``: when a written value takes effect, at_once, at_frame, while_off or at_reset."""
+
     name: str
     address: int  # in bytes
-    text: str
+    applies: str
     fields: tuple
-    strobe: bool = False  # every write acts, even of the same value
+    strobe: bool  # every write acts, even of the same value
 
     @property
     def writable(self):
@@ -53,10 +55,43 @@ class Register:
 
 @dataclass(frozen=True)
 class Group:
-    """Registers of one feature; ``at_frame``: a write takes effect at a frame boundary."""
+    """Registers of one feature; ``feature``: a build may have none of them."""
 
     name: str
     title: str
     feature: bool
-    at_frame: bool
     registers: tuple
+
+
+def read(table):
+    """The groups of a table. A line at the margin is a group: its name, "always" or "feature", its title.
+
+    The others are fields: address, register ("." and field if that is not "value"), bits, kind, reset value,
+    when it applies, and what else it is: signed, written, or the name of a width that holds it.
+    """
+    groups = []
+    for line in table.strip().splitlines():
+        if not line.startswith(" "):
+            name, feature, title = line.split(maxsplit=2)
+            groups.append((name, title, feature == "feature", {}))
+            continue
+        address, name, bits, kind, reset, applies, *more = line.split()
+        register, _, field = name.partition(".")
+        high, low = (int(bit) for bit in bits.split(":"))
+        held_to = "".join(word for word in more if word not in ("signed", "written"))
+        found = Field(field or "value", high, low, kind, int(reset, 16), "signed" in more, held_to)
+        place = groups[-1][3].setdefault(register, (int(address, 16), applies, [], []))
+        place[2].append(found)
+        place[3].append("written" in more)
+    return tuple(
+        Group(
+            name,
+            title,
+            feature,
+            tuple(
+                Register(register, address, applies, tuple(fields), any(strobes))
+                for register, (address, applies, fields, strobes) in registers.items()
+            ),
+        )
+        for name, title, feature, registers in groups
+    )

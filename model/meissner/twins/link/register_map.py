@@ -1,905 +1,189 @@
-# ruff: noqa: E501 - the texts are as long as their source's
-"""The register map. Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`."""
+"""The register map.
 
-from meissner.twins.link.register import Field, Group, Register
+Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`.
+"""
 
-GROUPS = (
-    Group(
-        "core",
-        "What this core is",
-        False,
-        False,
-        (
-            Register(
-                "id",
-                0x000,
-                "The letters MSNR: a Meissner core answers here.",
-                (Field("value", 31, 0, "constant", 0x4D534E52),),
-            ),
-            Register(
-                "version",
-                0x004,
-                "Of this register map. A host refuses another major and, while major is 0, another minor.",
-                (
-                    Field("patch", 7, 0, "constant", 0x0),
-                    Field("minor", 15, 8, "constant", 0x4),
-                    Field("major", 31, 16, "constant", 0x0),
-                ),
-            ),
-            Register(
-                "features",
-                0x008,
-                "A bit for each group of registers below, the first lowest: 1 where the build has it.",
-                (Field("value", 31, 0, "features", 0x0),),
-            ),
-            Register(
-                "size",
-                0x00C,
-                "Of the array; one row of as many columns as channels where there is no array.",
-                (
-                    Field("rows", 15, 0, "status", 0x0),
-                    Field("columns", 31, 16, "status", 0x0),
-                ),
-            ),
-            Register(
-                "clk_khz",
-                0x010,
-                "The clock that ticks count, in kHz.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "scratch",
-                0x014,
-                "Keeps what is written, to try a link.",
-                (Field("value", 31, 0, "setting", 0x0),),
-            ),
-            Register(
-                "widths",
-                0x018,
-                "Bits that this build has for a detail, a time in details, a load and an offset; settings that are wider are held at their ends, and read so.",
-                (
-                    Field("detail", 7, 0, "width", 0x0),
-                    Field("timer", 15, 8, "width", 0x0),
-                    Field("load", 23, 16, "width", 0x0),
-                    Field("offset", 31, 24, "width", 0x0),
-                ),
-            ),
-            Register(
-                "beats",
-                0x01C,
-                "Of a frame of the array; what is written to a word from this on is lost.",
-                (Field("value", 20, 0, "status", 0x0),),
-            ),
-        ),
-    ),
-    Group(
-        "adc",
-        "Converter of single channels or of four electrodes",
-        True,
-        False,
-        (
-            Register("enable", 0x100, "Converts while 1.", (Field("value", 0, 0, "setting", 0x0),)),
-            Register(
-                "period",
-                0x104,
-                "Clocks from convert start to convert start; 0: 2^24.",
-                (Field("value", 23, 0, "setting", 0x0),),
-            ),
-            Register(
-                "dropped",
-                0x108,
-                "Frames dropped whole, because the chain was not ready.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "overrun",
-                0x10C,
-                "Ticks without a conversion, because the frame before was under way.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "timeout",
-                0x110,
-                "Frames given up, because the converter did not answer.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "mistagged",
-                0x114,
-                "Frames whose answers had another channel's number.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "over_range",
-                0x118,
-                "Samples at an end of the converter's range.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-        ),
-    ),
-    Group(
-        "slip",
-        "Slip of each channel",
-        True,
-        True,
-        (
-            Register(
-                "threshold",
-                0x200,
-                "Incipient slip: a peak-to-peak of the detail above this, in codes.",
-                (Field("value", 19, 0, "setting", 0xFFFFF, False, "detail"),),
-            ),
-            Register(
-                "gross_threshold",
-                0x204,
-                "Gross slip above this, in codes.",
-                (Field("value", 19, 0, "setting", 0xFFFFF, False, "detail"),),
-            ),
-            Register(
-                "contact_level",
-                0x208,
-                "Contact where a group's sum reaches this, in codes, signed.",
-                (Field("value", 19, 0, "setting", 0x0, True, "detail"),),
-            ),
-            Register(
-                "release_level",
-                0x20C,
-                "Released where it falls back past this, in codes, signed.",
-                (Field("value", 19, 0, "setting", 0x0, True, "detail"),),
-            ),
-            Register(
-                "contact_rises",
-                0x210,
-                "1: the code rises with the force; 0: it falls.",
-                (Field("value", 0, 0, "setting", 0x1),),
-            ),
-            Register(
-                "hold",
-                0x214,
-                "Details that a flag outlasts its cause.",
-                (Field("value", 15, 0, "setting", 0x0, False, "timer"),),
-            ),
-            Register(
-                "refractory",
-                0x218,
-                "Details deaf after a flag.",
-                (Field("value", 15, 0, "setting", 0x0, False, "timer"),),
-            ),
-            Register(
-                "blank",
-                0x21C,
-                "Details deaf after contact.",
-                (Field("value", 15, 0, "setting", 0x0, False, "timer"),),
-            ),
-            Register(
-                "damaged",
-                0x220,
-                "Frames with channels out of order.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "blanked",
-                0x224,
-                "Details over the threshold while deaf.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "keep_threshold",
-                0x228,
-                "A flag that is up stays up above this too, in codes; the threshold or more: no hysteresis.",
-                (Field("value", 19, 0, "setting", 0xFFFFF, False, "detail"),),
-            ),
-        ),
-    ),
-    Group(
-        "scan",
-        "Scan of an array",
-        True,
-        False,
-        (
-            Register("enable", 0x300, "Scans while 1.", (Field("value", 0, 0, "setting", 0x0),)),
-            Register(
-                "settle",
-                0x304,
-                "Clocks from a change of row or group to the convert start.",
-                (Field("value", 15, 0, "setting", 0x1),),
-            ),
-            Register(
-                "period",
-                0x308,
-                "Clocks from frame start to frame start; 0: one after the other.",
-                (Field("value", 31, 0, "setting", 0x0),),
-            ),
-            Register(
-                "interleave",
-                0x30C,
-                "1: even rows first, then odd ones.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "dropped",
-                0x310,
-                "Frames dropped whole, because the chain was not ready.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "overrun",
-                0x314,
-                "Frame ticks without a frame, because the one before was under way.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "held",
-                0x318,
-                "Clocks that the scan waited for room: none, as its buffer holds a whole frame.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "lost",
-                0x31C,
-                "Conversions in which a converter did not answer.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-        ),
-    ),
-    Group(
-        "health",
-        "Health of taxels",
-        True,
-        False,
-        (
-            Register(
-                "band", 0x400, "A move is more than this, in codes.", (Field("value", 16, 0, "setting", 0x2),)
-            ),
-            Register(
-                "jump",
-                0x404,
-                "A step that a finger cannot make, in codes; 0: any.",
-                (Field("value", 16, 0, "setting", 0x0),),
-            ),
-            Register(
-                "low",
-                0x408,
-                "Railed at or below this code, signed.",
-                (Field("value", 16, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "high",
-                0x40C,
-                "Railed at or above this code, signed.",
-                (Field("value", 16, 0, "setting", 0xFFFF, True, ""),),
-            ),
-            Register(
-                "use",
-                0x410,
-                "user: over-range samples count as railed; edges: taxels at the border are judged by one neighbour.",
-                (
-                    Field("user", 0, 0, "setting", 0x1),
-                    Field("edges", 1, 1, "setting", 0x1),
-                ),
-            ),
-            Register(
-                "still", 0x414, "Dead from this count on; 0: off.", (Field("value", 7, 0, "setting", 0x0),)
-            ),
-            Register(
-                "rail",
-                0x418,
-                "At the rail in this many of the frames 0, 16, 32, .. in a row; 0: off.",
-                (Field("value", 7, 0, "setting", 0x0),),
-            ),
-            Register(
-                "blink",
-                0x41C,
-                "Blinking from this count on; 0: off.",
-                (Field("value", 7, 0, "setting", 0x0),),
-            ),
-            Register("clear", 0x420, "Forgets every fault.", (Field("value", 0, 0, "command", 0x0),)),
-            Register("report", 0x424, "Sends every fault again.", (Field("value", 0, 0, "command", 0x0),)),
-            Register("dead", 0x428, "Dead taxels.", (Field("value", 20, 0, "status", 0x0),)),
-            Register("railed", 0x42C, "Railed taxels.", (Field("value", 20, 0, "status", 0x0),)),
-            Register("blinking", 0x430, "Blinking taxels.", (Field("value", 20, 0, "status", 0x0),)),
-        ),
-    ),
-    Group(
-        "tare",
-        "Zero of each taxel",
-        True,
-        False,
-        (
-            Register(
-                "contact",
-                0x480,
-                "Contact is more than this above the zero, in codes.",
-                (Field("value", 16, 0, "setting", 0x40),),
-            ),
-            Register(
-                "step",
-                0x484,
-                "The zero follows by this in 2^-12 codes a frame; 0: it does not.",
-                (Field("value", 7, 0, "setting", 0x1),),
-            ),
-            Register(
-                "force",
-                0x488,
-                "1: an averaging is not refused because something presses.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "at_start",
-                0x48C,
-                "1: averages at once after reset, whatever presses.",
-                (Field("value", 0, 0, "setting", 0x1),),
-            ),
-            Register(
-                "average",
-                0x490,
-                "Averages the next frames into the zeros.",
-                (Field("value", 0, 0, "command", 0x0),),
-            ),
-            Register(
-                "load",
-                0x494,
-                "While 1 frames are swallowed and zeros can be written.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "word",
-                0x498,
-                "Beat whose zeros are written; none from core.beats on.",
-                (Field("value", 19, 0, "setting", 0x0),),
-            ),
-            Register(
-                "zero",
-                0x49C,
-                "What is written, in codes, signed.",
-                (Field("value", 16, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "write",
-                0x4A0,
-                "Lanes of the word to write; each write to this register writes them.",
-                (Field("value", 7, 0, "setting", 0x0),),
-                True,
-            ),
-            Register(
-                "state",
-                0x4A4,
-                "loading: zeros can be written; taring: averages; pressed: the last frame was in contact.",
-                (
-                    Field("loading", 0, 0, "status", 0x0),
-                    Field("taring", 1, 1, "status", 0x0),
-                    Field("pressed", 2, 2, "status", 0x0),
-                ),
-            ),
-            Register("tared", 0x4A8, "Averagings done.", (Field("value", 15, 0, "status", 0x0),)),
-            Register(
-                "refused",
-                0x4AC,
-                "Averagings refused, because something pressed.",
-                (Field("value", 15, 0, "status", 0x0),),
-            ),
-            Register(
-                "swallowed",
-                0x4B0,
-                "Frames swallowed while zeros were loaded.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-        ),
-    ),
-    Group(
-        "calibrate",
-        "Calibration of taxels",
-        True,
-        False,
-        (
-            Register(
-                "preset",
-                0x500,
-                "Gain that every taxel has from reset on, before any is loaded; 0: forces are 0 until then.",
-                (Field("value", 15, 0, "setting", 0x0),),
-            ),
-            Register(
-                "word",
-                0x504,
-                "Beat whose calibration is written; with gains of rows and columns, the row or the beat of a row.",
-                (Field("value", 19, 0, "setting", 0x0),),
-            ),
-            Register(
-                "offset",
-                0x508,
-                "Offset to write, in codes, signed.",
-                (Field("value", 16, 0, "setting", 0x0, True, "offset"),),
-            ),
-            Register("gain", 0x50C, "Gain to write.", (Field("value", 15, 0, "setting", 0x0),)),
-            Register(
-                "write",
-                0x510,
-                "lanes: of the word to write; row: the word is a row's. Each write to this register writes them.",
-                (
-                    Field("lanes", 7, 0, "setting", 0x0),
-                    Field("row", 8, 8, "setting", 0x0),
-                ),
-                True,
-            ),
-            Register(
-                "swap",
-                0x514,
-                "What was written is used from the next frame on.",
-                (Field("value", 0, 0, "command", 0x0),),
-            ),
-            Register(
-                "swapping",
-                0x518,
-                "A swap is asked for and not done yet.",
-                (Field("value", 0, 0, "status", 0x0),),
-            ),
-        ),
-    ),
-    Group(
-        "cop",
-        "Centre of pressure of an array",
-        True,
-        True,
-        (
-            Register(
-                "min_load",
-                0x600,
-                "Pressed from this load on, in units of force.",
-                (Field("value", 31, 0, "setting", 0x1, False, "load"),),
-            ),
-            Register("damaged", 0x604, "Frames without a result.", (Field("value", 31, 0, "status", 0x0),)),
-        ),
-    ),
-    Group(
-        "cop4",
-        "Four electrodes",
-        True,
-        True,
-        (
-            Register(
-                "rail", 0x700, "Twice the supply V0, in codes.", (Field("value", 16, 0, "setting", 0xFFFF),)
-            ),
-            Register("kx", 0x704, "Mantissa of Cx.", (Field("value", 16, 0, "setting", 0x0),)),
-            Register("shift_x", 0x708, "Exponent of Cx.", (Field("value", 3, 0, "setting", 0x0),)),
-            Register("ky", 0x70C, "Mantissa of Cy.", (Field("value", 16, 0, "setting", 0x0),)),
-            Register("shift_y", 0x710, "Exponent of Cy.", (Field("value", 3, 0, "setting", 0x0),)),
-            Register("kf", 0x714, "Mantissa of Kf.", (Field("value", 16, 0, "setting", 0x0),)),
-            Register("shift_load", 0x718, "Exponent of Kf.", (Field("value", 3, 0, "setting", 0x0),)),
-            Register(
-                "p0",
-                0x71C,
-                "Coefficient 0 of the load's correction, signed.",
-                (Field("value", 17, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "p1",
-                0x720,
-                "Coefficient 1 of the load's correction, signed.",
-                (Field("value", 17, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "p2",
-                0x724,
-                "Coefficient 2 of the load's correction, signed.",
-                (Field("value", 17, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "p3",
-                0x728,
-                "Coefficient 3 of the load's correction, signed.",
-                (Field("value", 17, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "p4",
-                0x72C,
-                "Coefficient 4 of the load's correction, signed.",
-                (Field("value", 17, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "p5",
-                0x730,
-                "Coefficient 5 of the load's correction, signed.",
-                (Field("value", 17, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "min_load",
-                0x734,
-                "Pressed from this load on, in its LSBs.",
-                (Field("value", 15, 0, "setting", 0x1),),
-            ),
-            Register(
-                "top",
-                0x738,
-                "Largest code of the converter; the lowest is its negative less one.",
-                (Field("value", 15, 0, "setting", 0xFFFF),),
-            ),
-            Register(
-                "idle",
-                0x73C,
-                "Code of an electrode without current, signed.",
-                (Field("value", 16, 0, "setting", 0xFFFF, True, ""),),
-            ),
-            Register(
-                "busy",
-                0x740,
-                "Code up to which an electrode has some, signed.",
-                (Field("value", 16, 0, "setting", 0xFFFF, True, ""),),
-            ),
-            Register(
-                "imbalance",
-                0x744,
-                "Largest difference of the two expressions of the current, in codes.",
-                (Field("value", 17, 0, "setting", 0x3FFFF),),
-            ),
-        ),
-    ),
-    Group(
-        "cop_slip",
-        "Slip from the load of four electrodes",
-        True,
-        True,
-        (
-            Register(
-                "drop",
-                0x800,
-                "Drop of the load over the lag, in 256ths.",
-                (Field("value", 7, 0, "setting", 0x80),),
-            ),
-            Register(
-                "move",
-                0x804,
-                "Least move of the centre over the lag, Q2.14.",
-                (Field("value", 15, 0, "setting", 0x0),),
-            ),
-            Register(
-                "min_load", 0x808, "Least load before the drop.", (Field("value", 15, 0, "setting", 0x0),)
-            ),
-            Register(
-                "hold",
-                0x80C,
-                "Samples that the flag outlasts its cause.",
-                (Field("value", 15, 0, "setting", 0x0),),
-            ),
-            Register(
-                "refractory", 0x810, "Samples deaf after a flag.", (Field("value", 15, 0, "setting", 0x0),)
-            ),
-        ),
-    ),
-    Group(
-        "link",
-        "Packets",
-        True,
-        False,
-        (
-            Register("images", 0x900, "1: images are sent.", (Field("value", 0, 0, "setting", 0x1),)),
-            Register("packets", 0x904, "Packets begun.", (Field("value", 31, 0, "status", 0x0),)),
-            Register(
-                "cop_dropped",
-                0x908,
-                "CoP frames that a newer one replaced.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "image_dropped",
-                0x90C,
-                "Images that a newer one replaced.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register("rejected", 0x910, "Commands that were none.", (Field("value", 31, 0, "status", 0x0),)),
-        ),
-    ),
-    Group(
-        "grip",
-        "Grip reflex",
-        True,
-        False,
-        (
-            Register(
-                "enable",
-                0xA00,
-                "1: the reflex answers; 0: as in reset: no words, no pulses, the command is forgotten.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "period",
-                0xA04,
-                "Clocks of a control cycle; under 16 as 16.",
-                (Field("value", 23, 0, "setting", 0xF4240),),
-            ),
-            Register(
-                "step",
-                0xA08,
-                "What a window over the threshold adds to the command, in counts.",
-                (Field("value", 15, 0, "setting", 0x100),),
-            ),
-            Register(
-                "decay",
-                0xA0C,
-                "What a cycle without slip takes away; 0: it never opens by itself.",
-                (Field("value", 15, 0, "setting", 0x0),),
-            ),
-            Register("minimum", 0xA10, "Least command.", (Field("value", 15, 0, "setting", 0x400),)),
-            Register("maximum", 0xA14, "Largest command.", (Field("value", 15, 0, "setting", 0xEA60),)),
-            Register(
-                "rate",
-                0xA18,
-                "Largest change of the command in a cycle.",
-                (Field("value", 15, 0, "setting", 0x800),),
-            ),
-            Register(
-                "watchdog",
-                0xA1C,
-                "A finger is silent from this many cycles in a row without a decision on; 0 as 1.",
-                (Field("value", 15, 0, "setting", 0x14),),
-            ),
-            Register(
-                "rule",
-                0xA20,
-                "0: the finger that slips most counts; 1: the one that slips least.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "mode",
-                0xA24,
-                "0: words are increments of a position; 1: forces, and pulses.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "immediate",
-                0xA28,
-                "1: the first window over the threshold brings its period's cycle forward.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "override", 0xA2C, "1: the goal is override_value.", (Field("value", 0, 0, "setting", 0x0),)
-            ),
-            Register(
-                "override_value",
-                0xA30,
-                "Command that a host asks for.",
-                (Field("value", 15, 0, "setting", 0x0),),
-            ),
-            Register(
-                "divide",
-                0xA34,
-                "A step of the pulses lasts this many clocks and one.",
-                (Field("value", 7, 0, "setting", 0x0),),
-            ),
-            Register(
-                "low",
-                0xA38,
-                "A sample at or below this code, signed, is at the rail.",
-                (Field("value", 16, 0, "setting", 0x0, True, ""),),
-            ),
-            Register(
-                "high",
-                0xA3C,
-                "A sample at or above this code, signed, is at the rail.",
-                (Field("value", 16, 0, "setting", 0xFFF, True, ""),),
-            ),
-            Register(
-                "rail",
-                0xA40,
-                "A finger is unhealthy after this many samples at the rail in a row; 0: off.",
-                (Field("value", 7, 0, "setting", 0x8),),
-            ),
-            Register("command", 0xA44, "The command.", (Field("value", 15, 0, "status", 0x0),)),
-            Register(
-                "increment",
-                0xA48,
-                "By how much the last cycle changed it, signed.",
-                (Field("value", 16, 0, "status", 0x0, True, ""),),
-            ),
-            Register(
-                "fault",
-                0xA4C,
-                "Of the last cycle, the sum of: 1 a finger silent, 2 unhealthy, 4 command at its maximum, 8 minimum above maximum, 16 no command yet.",
-                (Field("value", 4, 0, "status", 0x0),),
-            ),
-            Register(
-                "faulty",
-                0xA50,
-                "A bit for each finger: it took no part in the last cycle.",
-                (Field("value", 7, 0, "status", 0x0),),
-            ),
-            Register("commands", 0xA54, "Commands given.", (Field("value", 31, 0, "status", 0x0),)),
-            Register(
-                "tightenings",
-                0xA58,
-                "Commands that were larger than the one before.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
-                "speed_gain",
-                0xA5C,
-                "What a window over the threshold adds beside step: this times the finger's speed of shear in mm/s, times 16; 0: nothing.",
-                (Field("value", 15, 0, "setting", 0x0),),
-            ),
-            Register(
-                "boost",
-                0xA60,
-                "Windows over that follow each other add 1, 2, 4 .. times step, up to 2 to the power of this; 0: each adds step.",
-                (Field("value", 2, 0, "setting", 0x0),),
-            ),
-        ),
-    ),
-    Group(
-        "shear_speed",
-        "Speed of shear",
-        True,
-        False,
-        (
-            Register(
-                "enable",
-                0xB00,
-                "1: speeds are found; 0: as in reset, all is forgotten. Settings are to change while it is 0.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "k0",
-                0xB04,
-                "dV of 1 mm/s at Vi = 0, a level: the sum of 512 samples. This and the following: 1.55 V, -0.27 and 0.11 at 819.2 codes a volt, 10 kHz.",
-                (Field("value", 25, 0, "setting", 0x9EB85),),
-            ),
-            Register(
-                "k1",
-                0xB08,
-                "By how much less for a unit of Vi, signed, 16 bits of fraction.",
-                (Field("value", 17, 0, "setting", 0x3BAE1, True, ""),),
-            ),
-            Register(
-                "exponent", 0xB0C, "1/n, 11 bits of fraction.", (Field("value", 15, 0, "setting", 0x48BA),)
-            ),
-            Register(
-                "vi_min",
-                0xB10,
-                "Vi below this, a level, signed, is out of range.",
-                (Field("value", 25, 0, "setting", 0xCCCCD, True, ""),),
-            ),
-            Register(
-                "vi_max",
-                0xB14,
-                "Vi above this, a level, signed, is out of range.",
-                (Field("value", 25, 0, "setting", 0x19999A, True, ""),),
-            ),
-            Register(
-                "noise",
-                0xB18,
-                "A rise below this, a level, is too small.",
-                (Field("value", 25, 0, "setting", 0xA3D7),),
-            ),
-            Register(
-                "still",
-                0xB1C,
-                "A level that moves by more from window to window does not rest.",
-                (Field("value", 25, 0, "setting", 0x419),),
-            ),
-            Register(
-                "full",
-                0xB20,
-                "A code, signed, from which on a window is clipped.",
-                (Field("value", 16, 0, "setting", 0xFF8, True, ""),),
-            ),
-            Register(
-                "limit",
-                0xB24,
-                "A speed above this is too fast, in 2^-20 mm/s.",
-                (Field("value", 23, 0, "setting", 0x300000),),
-            ),
-            Register(
-                "travel",
-                0xB28,
-                "Sum of speeds until which a level still rises: mm over the seconds of a window, in 2^-20.",
-                (Field("value", 31, 0, "setting", 0x190000),),
-            ),
-            Register(
-                "hold",
-                0xB2C,
-                "1: the normal force changes, as while actuator_moving_i is high: Vi is forgotten.",
-                (Field("value", 0, 0, "setting", 0x0),),
-            ),
-            Register(
-                "hold_cycles",
-                0xB30,
-                "The same for so many control cycles from each changed command of the reflex on; 0: not.",
-                (Field("value", 7, 0, "setting", 0x0),),
-            ),
-            Register(
-                "select",
-                0xB34,
-                "The channel that vi, rise and windows are of.",
-                (Field("value", 2, 0, "setting", 0x0),),
-            ),
-            Register(
-                "channel0",
-                0xB38,
-                "Of channel 0, the last window: speed in 2^-20 mm/s, 0 with any flag; flags: the sum of 1 unsettled, 2 Vi out of range, 4 rise too small, 8 no denominator, 16 clipped, 32 still rising, 64 too fast, 128 saturated.",
-                (
-                    Field("speed", 23, 0, "status", 0x0),
-                    Field("flags", 31, 24, "status", 0x0),
-                ),
-            ),
-            Register(
-                "channel1",
-                0xB3C,
-                "The same of channel 1.",
-                (
-                    Field("speed", 23, 0, "status", 0x0),
-                    Field("flags", 31, 24, "status", 0x0),
-                ),
-            ),
-            Register(
-                "channel2",
-                0xB40,
-                "The same of channel 2.",
-                (
-                    Field("speed", 23, 0, "status", 0x0),
-                    Field("flags", 31, 24, "status", 0x0),
-                ),
-            ),
-            Register(
-                "channel3",
-                0xB44,
-                "The same of channel 3.",
-                (
-                    Field("speed", 23, 0, "status", 0x0),
-                    Field("flags", 31, 24, "status", 0x0),
-                ),
-            ),
-            Register(
-                "channel4",
-                0xB48,
-                "The same of channel 4.",
-                (
-                    Field("speed", 23, 0, "status", 0x0),
-                    Field("flags", 31, 24, "status", 0x0),
-                ),
-            ),
-            Register(
-                "channel5",
-                0xB4C,
-                "The same of channel 5.",
-                (
-                    Field("speed", 23, 0, "status", 0x0),
-                    Field("flags", 31, 24, "status", 0x0),
-                ),
-            ),
-            Register(
-                "channel6",
-                0xB50,
-                "The same of channel 6.",
-                (
-                    Field("speed", 23, 0, "status", 0x0),
-                    Field("flags", 31, 24, "status", 0x0),
-                ),
-            ),
-            Register(
-                "channel7",
-                0xB54,
-                "The same of channel 7.",
-                (
-                    Field("speed", 23, 0, "status", 0x0),
-                    Field("flags", 31, 24, "status", 0x0),
-                ),
-            ),
-            Register(
-                "vi",
-                0xB58,
-                "Vi of its last window, a level, signed; 0 where it is unknown.",
-                (Field("value", 25, 0, "status", 0x0, True, ""),),
-            ),
-            Register(
-                "rise",
-                0xB5C,
-                "dV of its last window, a level, signed; 0 where Vi is unknown.",
-                (Field("value", 26, 0, "status", 0x0, True, ""),),
-            ),
-            Register(
-                "windows",
-                0xB60,
-                "Its windows since enable; read before and after, it tells whether the others are of one window.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-        ),
-    ),
-)
+from meissner.twins.link.register import read
+
+TABLE = """
+core always What this core is
+  000 id                   31:0  constant 4d534e52 -
+  004 version.patch        7:0   constant 1        -
+  004 version.minor        15:8  constant 4        -
+  004 version.major        31:16 constant 0        -
+  008 features             31:0  features 0        -
+  00c size.rows            15:0  status   0        -
+  00c size.columns         31:16 status   0        -
+  010 clk_khz              31:0  status   0        -
+  014 scratch              31:0  setting  0        at_once
+  018 widths.detail        7:0   width    0        -
+  018 widths.timer         15:8  width    0        -
+  018 widths.load          23:16 width    0        -
+  018 widths.offset        31:24 width    0        -
+  01c beats                20:0  status   0        -
+  020 hold                 0:0   setting  0        at_once
+adc feature Converter of single channels or of four electrodes
+  100 enable               0:0   setting  0        at_once
+  104 period               23:0  setting  0        at_once
+  108 dropped              31:0  status   0        -
+  10c overrun              31:0  status   0        -
+  110 timeout              31:0  status   0        -
+  114 mistagged            31:0  status   0        -
+  118 over_range           31:0  status   0        -
+slip feature Slip of each channel
+  200 threshold            19:0  setting  fffff    at_frame  detail
+  204 gross_threshold      19:0  setting  fffff    at_frame  detail
+  208 contact_level        19:0  setting  0        at_frame  signed detail
+  20c release_level        19:0  setting  0        at_frame  signed detail
+  210 contact_rises        0:0   setting  1        at_frame
+  214 hold                 15:0  setting  0        at_frame  timer
+  218 refractory           15:0  setting  0        at_frame  timer
+  21c blank                15:0  setting  0        at_frame  timer
+  220 damaged              31:0  status   0        -
+  224 blanked              31:0  status   0        -
+  228 keep_threshold       19:0  setting  fffff    at_frame  detail
+scan feature Scan of an array
+  300 enable               0:0   setting  0        at_once
+  304 settle               15:0  setting  1        while_off
+  308 period               31:0  setting  0        while_off
+  30c interleave           0:0   setting  0        at_once
+  310 dropped              31:0  status   0        -
+  314 overrun              31:0  status   0        -
+  318 held                 31:0  status   0        -
+  31c lost                 31:0  status   0        -
+health feature Health of taxels
+  400 band                 16:0  setting  2        at_once
+  404 jump                 16:0  setting  0        at_once
+  408 low                  16:0  setting  0        at_once   signed
+  40c high                 16:0  setting  ffff     at_once   signed
+  410 use.user             0:0   setting  1        at_once
+  410 use.edges            1:1   setting  1        at_once
+  414 still                7:0   setting  0        at_once
+  418 rail                 7:0   setting  0        at_once
+  41c blink                7:0   setting  0        at_once
+  420 clear                0:0   command  0        at_once
+  424 report               0:0   command  0        at_once
+  428 dead                 20:0  status   0        -
+  42c railed               20:0  status   0        -
+  430 blinking             20:0  status   0        -
+tare feature Zero of each taxel
+  480 contact              16:0  setting  40       at_once
+  484 step                 7:0   setting  1        at_once
+  488 force                0:0   setting  0        at_once
+  48c at_start             0:0   setting  1        at_reset
+  490 average              0:0   command  0        at_once
+  494 load                 0:0   setting  0        at_once
+  498 word                 19:0  setting  0        at_once
+  49c zero                 16:0  setting  0        at_once   signed
+  4a0 write                7:0   setting  0        at_once   written
+  4a4 state.loading        0:0   status   0        -
+  4a4 state.taring         1:1   status   0        -
+  4a4 state.pressed        2:2   status   0        -
+  4a8 tared                15:0  status   0        -
+  4ac refused              15:0  status   0        -
+  4b0 swallowed            31:0  status   0        -
+calibrate feature Calibration of taxels
+  500 preset               15:0  setting  0        at_reset
+  504 word                 19:0  setting  0        at_once
+  508 offset               16:0  setting  0        at_once   signed offset
+  50c gain                 15:0  setting  0        at_once
+  510 write.lanes          7:0   setting  0        at_once   written
+  510 write.row            8:8   setting  0        at_once
+  514 swap                 0:0   command  0        at_once
+  518 swapping             0:0   status   0        -
+cop feature Centre of pressure of an array
+  600 min_load             31:0  setting  1        at_frame  load
+  604 damaged              31:0  status   0        -
+cop4 feature Four electrodes
+  700 rail                 16:0  setting  ffff     at_frame
+  704 kx                   16:0  setting  0        at_frame
+  708 shift_x              3:0   setting  0        at_frame
+  70c ky                   16:0  setting  0        at_frame
+  710 shift_y              3:0   setting  0        at_frame
+  714 kf                   16:0  setting  0        at_frame
+  718 shift_load           3:0   setting  0        at_frame
+  71c p0                   17:0  setting  0        at_frame  signed
+  720 p1                   17:0  setting  0        at_frame  signed
+  724 p2                   17:0  setting  0        at_frame  signed
+  728 p3                   17:0  setting  0        at_frame  signed
+  72c p4                   17:0  setting  0        at_frame  signed
+  730 p5                   17:0  setting  0        at_frame  signed
+  734 min_load             15:0  setting  1        at_frame
+  738 top                  15:0  setting  ffff     at_frame
+  73c idle                 16:0  setting  ffff     at_frame  signed
+  740 busy                 16:0  setting  ffff     at_frame  signed
+  744 imbalance            17:0  setting  3ffff    at_frame
+cop_slip feature Slip from the load of four electrodes
+  800 drop                 7:0   setting  80       at_frame
+  804 move                 15:0  setting  0        at_frame
+  808 min_load             15:0  setting  0        at_frame
+  80c hold                 15:0  setting  0        at_frame
+  810 refractory           15:0  setting  0        at_frame
+link feature Packets
+  900 images               0:0   setting  1        at_once
+  904 packets              31:0  status   0        -
+  908 cop_dropped          31:0  status   0        -
+  90c image_dropped        31:0  status   0        -
+  910 rejected             31:0  status   0        -
+grip feature Grip reflex
+  a00 enable               0:0   setting  0        at_once
+  a04 period               23:0  setting  f4240    at_once
+  a08 step                 15:0  setting  100      at_once
+  a0c decay                15:0  setting  0        at_once
+  a10 minimum              15:0  setting  400      at_once
+  a14 maximum              15:0  setting  ea60     at_once
+  a18 rate                 15:0  setting  800      at_once
+  a1c watchdog             15:0  setting  14       at_once
+  a20 rule                 0:0   setting  0        at_once
+  a24 mode                 0:0   setting  0        at_once
+  a28 immediate            0:0   setting  0        at_once
+  a2c override             0:0   setting  0        at_once
+  a30 override_value       15:0  setting  0        at_once
+  a34 divide               7:0   setting  0        at_once
+  a38 low                  16:0  setting  0        at_once   signed
+  a3c high                 16:0  setting  fff      at_once   signed
+  a40 rail                 7:0   setting  8        at_once
+  a44 command              15:0  status   0        -
+  a48 increment            16:0  status   0        -         signed
+  a4c fault                4:0   status   0        -
+  a50 faulty               7:0   status   0        -
+  a54 commands             31:0  status   0        -
+  a58 tightenings          31:0  status   0        -
+  a5c speed_gain           15:0  setting  0        at_once
+  a60 boost                2:0   setting  0        at_once
+shear_speed feature Speed of shear
+  b00 enable               0:0   setting  0        at_once
+  b04 k0                   25:0  setting  9eb85    while_off
+  b08 k1                   17:0  setting  3bae1    while_off signed
+  b0c exponent             15:0  setting  48ba     while_off
+  b10 vi_min               25:0  setting  ccccd    while_off signed
+  b14 vi_max               25:0  setting  19999a   while_off signed
+  b18 noise                25:0  setting  a3d7     while_off
+  b1c still                25:0  setting  419      while_off
+  b20 full                 16:0  setting  ff8      while_off signed
+  b24 limit                23:0  setting  300000   while_off
+  b28 travel               31:0  setting  190000   while_off
+  b2c hold                 0:0   setting  0        at_once
+  b30 hold_cycles          7:0   setting  0        at_once
+  b34 select               2:0   setting  0        at_once
+  b38 channel0.speed       23:0  status   0        -
+  b38 channel0.flags       31:24 status   0        -
+  b3c channel1.speed       23:0  status   0        -
+  b3c channel1.flags       31:24 status   0        -
+  b40 channel2.speed       23:0  status   0        -
+  b40 channel2.flags       31:24 status   0        -
+  b44 channel3.speed       23:0  status   0        -
+  b44 channel3.flags       31:24 status   0        -
+  b48 channel4.speed       23:0  status   0        -
+  b48 channel4.flags       31:24 status   0        -
+  b4c channel5.speed       23:0  status   0        -
+  b4c channel5.flags       31:24 status   0        -
+  b50 channel6.speed       23:0  status   0        -
+  b50 channel6.flags       31:24 status   0        -
+  b54 channel7.speed       23:0  status   0        -
+  b54 channel7.flags       31:24 status   0        -
+  b58 vi                   25:0  status   0        -         signed
+  b5c rise                 26:0  status   0        -         signed
+  b60 windows              31:0  status   0        -
+"""
+GROUPS = read(TABLE)

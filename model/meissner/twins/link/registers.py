@@ -14,6 +14,7 @@ def settings():
 
 
 FIELDS = {(g.name, r.name, f.name): f for g in GROUPS for r in g.registers for f in r.fields}
+ADDRESSES = {f"{g.name}.{r.name}": r.address for g in GROUPS for r in g.registers}
 WIDTHS = {f.held_to: f.width for f in FIELDS.values() if f.held_to}  # the most bits a build can have
 RESET_BITS = sum(field.width for _, _, field in settings())
 
@@ -59,6 +60,25 @@ def members(name):
     }
 
 
+def words(name, values, widths):
+    """{address: word} that writes {member: value} to registers of a group that have one field.
+
+    ``widths``: as in ``reset_word``; ValueError for a value that does not fit them.
+    """
+    given = {member: field for member, field in members(name).items() if member in values}
+    return {
+        ADDRESSES[f"{name}.{member}"]: _bits(f"{name}.{member}", values[member], field, widths)
+        for member, field in given.items()
+    }
+
+
+def _bits(name, value, field, widths):
+    least, most = field.ends(widths[field.held_to] if field.held_to else None)
+    if not least <= value <= most:
+        raise ValueError(f"{name} = {value} is wider than the core has bits for")
+    return value & field.most
+
+
 def struct_word(name, values, widths):
     """The packed struct of a group, one without strobes and commands, with {member: value}, as a number.
 
@@ -66,10 +86,7 @@ def struct_word(name, values, widths):
     """
     word = 0
     for member, field in members(name).items():
-        least, most = field.ends(widths[field.held_to] if field.held_to else None)
-        if not least <= values[member] <= most:
-            raise ValueError(f"{name}.{member} = {values[member]} is wider than the core has bits for")
-        word = word << field.width | values[member] & field.most
+        word = word << field.width | _bits(f"{name}.{member}", values[member], field, widths)
     return word
 
 
@@ -110,7 +127,7 @@ class Registers:
             given = self.resets >> at & field.most
             self._written[key], self._seen[key] = given, self._held(key, given)
             at += field.width
-        self.pending = {group.name: False for group in GROUPS if group.at_frame}
+        self._waits = False  # a setting was written that takes effect at a frame's start
 
     def _held(self, key, bits):
         return held(FIELDS[key], bits, self.widths)
@@ -151,16 +168,22 @@ class Registers:
                 pulses.add(key)
             elif field.kind == "setting":
                 self._written[key] = (self._written[key] & ~kept) | (given & kept)
-                if group.at_frame:
-                    self.pending[group.name] = True
+                if register.applies == "at_frame":
+                    self._waits = True
                 else:
                     self._seen[key] = self._held(key, self._written[key])
         return False, pulses
 
-    def commit(self, name):
-        """A frame boundary: the pending settings of one group take effect."""
-        self._seen |= {key: self._held(key, value) for key, value in self._written.items() if key[0] == name}
-        self.pending[name] = False
+    @property
+    def pending(self):
+        """Whether a frame's start would change a setting."""
+        return self._waits and not self.setting("core", "hold")
+
+    def commit(self):
+        """A frame's start: all settings that wait for it take effect, unless the host holds them."""
+        if not self.setting("core", "hold"):
+            self._seen = {key: self._held(key, value) for key, value in self._written.items()}
+            self._waits = False
 
     def setting(self, group, register, field="value"):
         """The value that the core sees, as wide as the map's field."""

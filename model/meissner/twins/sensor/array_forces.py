@@ -1,4 +1,5 @@
-"""Bit-exact twin of rtl/sensor/msn_array_forces.sv: an array's samples to forces, centres of pressure and faults."""
+"""Bit-exact twin of rtl/sensor/msn_array_forces.sv: an array's samples to forces, centres of pressure and
+faults."""
 
 import numpy as np
 
@@ -12,8 +13,8 @@ from meissner.twins.frontend.tare import Tare
 
 
 class ArrayForces:
-    """``limits``: of msn_health, None without it. ``tare``: a dict of Tare's arguments (contact, step, tare_log2), None
-    without msn_tare. With it ``calibrate`` has gains only, without it offsets too.
+    """``limits``: of msn_health, None without it. ``tare``: a dict of Tare's arguments (contact, step,
+    tare_log2), None without msn_tare. With it ``calibrate`` has gains only, without it offsets too.
 
     ``health``, ``tare`` and ``calibrate`` are the stages; ``steps``: clocks of each.
     """
@@ -66,8 +67,8 @@ class ArrayForces:
         return cop.cop(forces, self.fraction_bits, self.min_load)
 
     def beat(self, raw, over, id_, last, fits=True):
-        """One beat as FrameMarker passes it: (forces, mask, faults, cop). The forces are None while zeros are loaded;
-        cop is (x, y, load, pressed) of the frame that the beat ends, else None."""
+        """One beat as FrameMarker passes it: (forces, mask, faults, cop). The forces are None while zeros are
+        loaded; cop is (x, y, load, pressed) of the frame that the beat ends, else None."""
         mask, faults = np.zeros(len(raw), dtype=bool), []
         if self.health is not None:
             mask, faults = self.health.beat(raw, over, id_, last, fits)

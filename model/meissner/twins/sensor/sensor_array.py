@@ -9,8 +9,8 @@ from meissner.twins.sensor.array_forces import ArrayForces
 
 
 class Array(ArrayForces):
-    """A scanned array; ``scan``: ScanAdc, ScanDemod or, of a stream, any object with ``rows`` and ``columns``, and
-    ``lanes`` if there are several. The rest as in ArrayForces."""
+    """A scanned array; ``scan``: ScanAdc, ScanDemod or, of a stream, any object with ``rows`` and
+    ``columns``, and ``lanes`` if there are several. The rest as in ArrayForces."""
 
     def __init__(self, scan, limits=None, tare=None, **kinds):
         lanes = getattr(scan, "lanes", 1)  # the demodulator gives one amplitude at a time

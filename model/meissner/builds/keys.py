@@ -1,0 +1,184 @@
+"""The tables of a build's file (docs/config.md), each with its keys, limits and defaults."""
+
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+from meissner.builds.cop_tables import Cop, CopSlipKeys
+from meissner.builds.four_wires import Load, MeshKeys
+from meissner.builds.slip_table import SlipNewtons, SlipVolts
+from meissner.builds.stages import STAGES
+from meissner.tables import Positive, Table, one_of, shown
+from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
+from meissner.twins.frontend.adc_spi import Part
+
+PARTS: dict[str, Part] = {part.name.upper(): part for part in ADC_PARTS.values()}
+Eight = Annotated[int, Meta(ge=1, le=8)]
+Side = Annotated[int, Meta(ge=1, le=256)]
+
+
+class Clock(Table, frozen=True):
+    """[clock] of the core."""
+
+    mhz: Annotated[float, Meta(ge=1, le=200)]
+
+
+class Channels(Table, frozen=True):
+    """[sensor] of single sensors, each on a channel of one converter."""
+
+    kind: Literal["channels"]
+    channels: Eight
+
+
+class Taxels(Table, frozen=True):
+    """[sensor] of an array."""
+
+    kind: Literal["array"]
+    rows: Side
+    columns: Side
+
+
+class Electrodes(Table, frozen=True):
+    """[sensor] of four electrodes."""
+
+    kind: Literal["electrodes"]
+
+
+class Adc(Table, frozen=True):
+    """[adc]. ``volts``: full scale; ``sclk_khz``: the part's own where it is not given."""
+
+    part: str
+    volts: Positive
+    rate_hz: Positive
+    lanes: int = 1
+    sclk_khz: Annotated[int, Meta(gt=0)] | None = None
+
+    def __post_init__(self) -> None:
+        one_of("part", self.part, PARTS)
+
+
+class ArrayAdc(Adc, frozen=True):
+    """[adc] of an array: converters side by side, inputs used of each, wait after a switch."""
+
+    converters: Literal[1, 2, 4, 8] = 1
+    channels: Eight = 8
+    settle_us: Annotated[float, Meta(ge=0, le=1000)] = 1.0
+
+
+class Link(Table, frozen=True):
+    """[link]."""
+
+    baud: Annotated[int, Meta(ge=1200, le=50_000_000)] = 3_000_000
+    registers: bool = True
+    statistics: bool = True
+    images: bool = False
+    slip_only: bool = False
+
+
+class Array(Table, frozen=True):
+    """[array]."""
+
+    health: bool = False
+    tare: bool = True
+    gains: Literal["taxel", "row_column"] = "taxel"
+    newtons_per_count: Positive = 1e-3
+    pitch_mm: Positive = 1.0
+
+
+class Health(Table, frozen=True):
+    """[health] of taxels, in codes and frames."""
+
+    band: int = 2
+    jump: int = 0
+    still: int = 120
+    rail: int = 8
+    blink: int = 120
+
+
+class Tare(Table, frozen=True):
+    """[tare] of taxels."""
+
+    contact_codes: int = 64
+    step: int = 1
+
+
+class AmplifiedLoad(Load, frozen=True):
+    """[load] of a build, whose converter has its own table."""
+
+    gain: Positive = 1.0
+
+
+class File(Table, frozen=True):
+    """The tables of every build."""
+
+    about: str
+    clock: Clock
+    link: Link = Link()
+
+    def __post_init__(self) -> None:
+        if not self.about.isprintable():
+            raise ValueError(f"about = {shown(self.about)} must be one line of text")
+
+    @classmethod
+    def unknown(cls, key: str, value: Any) -> str | None:
+        if key == "converter":
+            return (
+                "[converter] belongs in a file for `meissner process cop4` (docs/cop4.md); a build has "
+                "[clock], [sensor] and [adc] instead"
+            )
+        kinds = [kind for kind, file in FILES.items() if key in file.__struct_fields__]
+        if kinds:
+            own = next(kind for kind, file in FILES.items() if file is cls)
+            return f"[{key}] is not allowed with kind = '{own}'"
+        known = dict.fromkeys(key for file in FILES.values() for key in file.__struct_fields__)
+        return f"unknown table [{shown(key)[1:-1]}]; the tables are: {', '.join(known)}"
+
+
+class ArrayFile(File, frozen=True, kw_only=True):
+    """A build of an array."""
+
+    sensor: Taxels
+    adc: ArrayAdc
+    array: Array = Array()
+    health: Health | None = None
+    tare: Tare | None = None
+    cop: Cop = Cop()
+    slip: SlipNewtons | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for key in ("health", "tare"):
+            if getattr(self, key) and not getattr(self.array, key):
+                raise ValueError(f"[{key}] is not allowed with {key} = false in [array]")
+
+
+class ElectrodesFile(File, frozen=True, kw_only=True):
+    """A build of the four-wire sensor."""
+
+    sensor: Electrodes
+    adc: Adc
+    mesh: MeshKeys
+    load: AmplifiedLoad
+    cop_slip: CopSlipKeys | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not PARTS[self.adc.part].signed:
+            raise ValueError(f"[adc]: part = '{self.adc.part}' must be symmetric about 0 V: use the AD7606")
+
+
+class ChannelsFile(File, frozen=True, kw_only=True):
+    """A build of single sensors; the stages' tables are added below."""
+
+    sensor: Channels
+    adc: Adc
+    slip: SlipVolts
+
+
+_stages: list[Any] = [(name, stage.Keys | None, None) for name, stage in STAGES.items()]
+FILES: dict[str, Any] = {
+    "channels": msgspec.defstruct("StagesFile", _stages, bases=(ChannelsFile,), kw_only=True, frozen=True),
+    "array": ArrayFile,
+    "electrodes": ElectrodesFile,
+}

@@ -1,1 +1,0 @@
-"""Tools of the evidence: proofs, mutants, coverage, faults, fuzz."""
