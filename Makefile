@@ -31,7 +31,7 @@ $(PYENV): $(wildcard requirements/*.txt) pyproject.toml $(if $(wildcard $(BEGUN)
 	@mkdir -p .venv && touch $(BEGUN)
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(PIP) $$(grep '^platformdirs==' requirements/sim.txt)
-	@touch $@
+	@rm $(BEGUN) && touch $@
 
 $(SIM): $(PYENV)
 	@touch $(BEGUN)
