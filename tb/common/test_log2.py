@@ -167,7 +167,7 @@ def test_tables_against_mpmath():
 
 def test_the_packages_are_what_the_tool_writes():
     for path, text in tables.packages().items():
-        assert path.read_text("utf-8") == text, "`python tools/make/tables.py --write`"
+        assert path.read_text("utf-8") == text, "`python tools/make/tables.py`"
     assert {path.parent for path in tables.packages()} == {toolchain.ROOT / "rtl/common"}
 
 
