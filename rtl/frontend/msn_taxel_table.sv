@@ -105,7 +105,8 @@ module msn_taxel_table #(
   // one written, except before the first swap, when nothing is loaded.
   msn_check u_read_is_not_written (
     .clk_i, .rst_i,
-    .wrong_i(!rst_i && out_loaded_o && write != '0 && u_beats.advance_i && u_beats.address == u_beats.write_address)
+    .wrong_i(!rst_i && out_loaded_o && write != '0 && u_beats.advance_i &&
+             u_beats.address == u_beats.write_address)
   );
 
 endmodule
