@@ -357,7 +357,7 @@ async def without_the_reflex_nothing_comes(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Fingers": 3}, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Fingers": 3}, "boxes": True},
     "faults": {"none": "instances, wires and counters; the reflex' own upsets are those of msn_grip"},
 }
 

@@ -486,7 +486,7 @@ async def rests_in_reset(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Fingers": 3}, "open": ["reset"]},
+    "equivalence": {"size": {"Fingers": 3}},
     "faults": {
         "settle": 40,
         "driver": {"frame": "over_valid_i", "kept": "out_command_o term speed_valid clocks last_clock"},

@@ -219,7 +219,7 @@ async def forgets_what_a_reset_interrupts(dut):
 
 # The block holds several samples.
 EVIDENCE = {
-    "equivalence": {"boxes": True, "open": ["reset"]},
+    "equivalence": {"boxes": True},
     "faults": {"settle": 8},
 }
 

@@ -166,7 +166,6 @@ async def recovers_after_reset_in_mid_frame(dut):
 
 EVIDENCE = {
     "equivalence": {
-        "open": ["reset"],
         "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}},
     },
     "faults": {"settle": 3, "driver": {"free": 12000, "part": 1}},

@@ -196,7 +196,6 @@ async def recovers_after_reset(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"open": ["reset"]},
     "faults": {"settle": 3, "driver": {"frame": "in_start_i"}},
 }
 

@@ -123,7 +123,7 @@ async def matches_model(dut, pause_rate):
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Rows": 6}, "defined": True, "open": ["reset"]},
+    "equivalence": {"size": {"Rows": 6}, "defined": True},
     "faults": {
         "size": {"Rows": 6},
         "settle": 3,  # frames of a single beat end while a word is in the six stages

@@ -349,7 +349,7 @@ async def clocks_are_as_stated(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Columns": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Columns": 3}, "defined": True, "boxes": True},
     "faults": {
         "size": {"Rows": 3, "Columns": 3},
         "settle": 40,

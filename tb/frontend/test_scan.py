@@ -434,7 +434,6 @@ EVIDENCE = {
         "size": {"Rows": 3},
         "defined": True,
         "boxes": True,
-        "open": ["reset"],
         "reset": {"since": {"group_o": "trigger_o"}},
     },
     "faults": {"inside": ["scan_adc", "u_scan."]},

@@ -337,7 +337,7 @@ BUILDS = [
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Rows": 3, "Columns": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Rows": 3, "Columns": 3}, "defined": True, "boxes": True},
     "faults": {
         "size": {"Rows": 3, "Columns": 3},
         "driver": {

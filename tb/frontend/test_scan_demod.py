@@ -254,7 +254,7 @@ CASES = [
 
 
 EVIDENCE = {
-    "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"defined": True, "boxes": True},
     "faults": {
         "program": {"ClkKhz": 32000, "SamplePeriod": 100},
         "settle": 2,

@@ -304,7 +304,6 @@ EVIDENCE = {
     "equivalence": {
         "size": {"Rows": 5},
         "defined": True,
-        "open": ["reset"],
         "reset": {"since": {"done_*": "trigger_o"}},
     },
     "faults": {"inside": ["scan_adc", "u_plan."]},

@@ -440,7 +440,7 @@ BUILDS = [
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Taxels": 9}, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Taxels": 9}, "boxes": True},
     "faults": {
         # Events and images are queued.
         "settle": 8,

@@ -226,7 +226,6 @@ async def a_convert_around_an_event(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"open": ["reset"]},
     "faults": {"driver": {"packets": 1, "join": 1, "rows": 20000}},
 }
 

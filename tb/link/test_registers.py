@@ -291,7 +291,6 @@ async def what_meets_in_one_clock(dut):
 
 EVIDENCE = {
     "equivalence": {
-        "open": ["reset"],
         "reset": {"qualifiers": {"bus_rdata_o": "bus_done_o", "bus_error_o": "bus_done_o"}},
     },
     "faults": {"keeps_settings": True},

@@ -348,7 +348,7 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Rows": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Rows": 3}, "defined": True, "boxes": True},
     "mutants": {"sets": [0], "limit": 60, "unsolved": True},
     "faults": {
         "size": {"Rows": 3},

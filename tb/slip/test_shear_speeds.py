@@ -467,7 +467,7 @@ async def without_it_samples_pass_in_their_clock(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Channels": 3}, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Channels": 3}, "boxes": True},
     "mutants": {"unsolved": True},
     "faults": {
         "none": "instances, wires and counters; the estimator's own upsets are those of msn_shear_speed"

@@ -283,7 +283,7 @@ async def masked_taxels_raise_no_slip(dut, rises):
 
 
 EVIDENCE = {
-    "equivalence": {"boxes": True, "open": ["reset"]},
+    "equivalence": {"boxes": True},
     "faults": {
         "size": {"Channels": 3, "Window": 16},
         "short": {"TimerBits": 5},

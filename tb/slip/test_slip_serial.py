@@ -311,7 +311,7 @@ async def takes_as_long_as_the_twin_says(dut):
 
 EVIDENCE = {
     # Its memory asks for block RAM.
-    "equivalence": {"defined": True, "open": ["reset"]},
+    "equivalence": {"defined": True},
     "faults": {"size": {"Window": 8, "TimerBits": 3}, "settle": 60, "driver": {"phases": 8}},
 }
 

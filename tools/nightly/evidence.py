@@ -21,7 +21,6 @@ KEYS = {  # {kind: {key: type}}
         "defined": bool,  # synthesis makes use of what the source leaves undefined: that reads 0 in both
         "boxes": bool,  # the netlist is proven around the blocks in it, which have proofs of their own
         "yosys": str,  # why Yosys' own reader reads the source, too, in place of slang
-        "open": list,  # not read: tb/limits.toml names the open proofs
         "reset": dict,  # arguments of nightly.reset_proof.Task: what the reset's proof assumes
     },
     "mutants": {
