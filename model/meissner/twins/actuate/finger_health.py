@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 MOST = 255  # the count of consecutive samples saturates here
 
 
@@ -13,8 +15,7 @@ class FingerHealth:
     """
 
     def __init__(self, fingers, low=0, high=4095, rail=8):
-        if not 0 <= rail <= MOST:
-            raise ValueError(f"rail = {rail} must lie in 0 .. {MOST}")
+        within(rail=(rail, 0, MOST))
         self.low, self.high, self.rail = low, high, rail
         self.run = np.zeros(fingers, dtype=np.int64)
 

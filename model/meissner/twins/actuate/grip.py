@@ -12,6 +12,8 @@ command             = goal limited to [minimum, maximum] and to a change of at m
 from dataclasses import dataclass, fields
 from numbers import Integral
 
+from meissner.twins.shared import within
+
 COMMAND_BITS = 16
 PERIOD_BITS = 24
 TIMER_BITS = 16
@@ -106,8 +108,7 @@ class Grip:
     """
 
     def __init__(self, config=None, fingers=2, start=None):
-        if not 1 <= fingers <= MAX_FINGERS:
-            raise ValueError(f"fingers = {fingers} must lie in 1 .. {MAX_FINGERS}")
+        within(fingers=(fingers, 1, MAX_FINGERS))
         self.config, self.fingers, self.start = config or GripConfig(), int(fingers), start
         if start is not None and not self.config.minimum <= start <= self.config.maximum:
             raise ValueError(f"start = {start} must lie in {self.config.minimum} .. {self.config.maximum}")

@@ -7,27 +7,24 @@ compare                msn_compare.sv                signed comparison
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 
 def multiply(a, b, a_width=18, b_width=16):
     """Exact product of ``a``, signed integers of ``a_width`` bits, and ``b``, unsigned, ``b_width`` bits."""
-    if not 2 <= a_width <= 18:
-        raise ValueError(f"a_width = {a_width} must lie in 2 .. 18")
-    if not 1 <= b_width <= 17:
-        raise ValueError(f"b_width = {b_width} must lie in 1 .. 17")
+    within(a_width=(a_width, 2, 18), b_width=(b_width, 1, 17))
     return np.asarray(a, dtype=np.int64) * np.asarray(b, dtype=np.int64)
 
 
 def constant_multiplier(x, constant):
     """``constant * x``, exact; ``constant``: 0 .. 65535."""
-    if not 0 <= constant < 65536:
-        raise ValueError(f"constant = {constant} must be below 65536")
+    within(constant=(constant, 0, 65535))
     return np.asarray(x, dtype=np.int64) * constant
 
 
 def compare(a, b, width):
     """True where a > b; ``a`` and ``b`` are integers of ``width`` signed bits."""
-    if width < 1:
-        raise ValueError(f"width = {width} must be at least 1")
+    within(width=(width, 1, None))
     a, b = np.asarray(a, dtype=np.int64), np.asarray(b, dtype=np.int64)
     limit = 1 << (width - 1)
     for x in (a, b):

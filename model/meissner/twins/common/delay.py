@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 
 class Delay:
     """out = in, ``depth`` steps ago. The outputs of the first ``depth`` steps are undefined."""
 
     def __init__(self, depth):
-        if depth < 1:
-            raise ValueError(f"depth = {depth} must be at least 1")
+        within(depth=(depth, 1, None))
         self.depth = depth
         self.reset()
 

@@ -1,5 +1,7 @@
 """Bit-exact twin of rtl/common/msn_frame_filter.sv: passes frames, resynchronises on ``last``."""
 
+from meissner.twins.shared import within
+
 
 class FrameFilter:
     """Channels must count 0 .. channels-1 with ``last`` on the final one.
@@ -10,8 +12,7 @@ class FrameFilter:
     """
 
     def __init__(self, channels):
-        if channels < 1:
-            raise ValueError(f"channels = {channels} must be at least 1")
+        within(channels=(channels, 1, None))
         self.channels = channels
         self.reset()
 

@@ -1,14 +1,13 @@
 """Bit-exact twin of rtl/common/msn_frame_owed.sv: whether results of a frame are still outstanding."""
 
+from meissner.twins.shared import within
+
 
 class FrameOwed:
     """Each frame owes ``results``; a lost one is given up after 2**``quiet_bits`` - 1 quiet clocks."""
 
     def __init__(self, results=1, quiet_bits=9):
-        if results < 1:
-            raise ValueError(f"results = {results} must be 1 or more")
-        if not 2 <= quiet_bits <= 16:
-            raise ValueError(f"quiet_bits = {quiet_bits} must lie in 2 .. 16")
+        within(results=(results, 1, None), quiet_bits=(quiet_bits, 2, 16))
         self.results, self.quiet_bits = results, quiet_bits
         self.reset()
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from meissner.twins.shared import one_of, within
+
 
 class FrameTable:
     """``words`` words of ``parts`` parts per bank; read in order from ``start``, written at any place.
@@ -10,12 +12,8 @@ class FrameTable:
     """
 
     def __init__(self, words, parts=1, banks=2, start=0):
-        if words < 1:
-            raise ValueError(f"words = {words} must be at least 1")
-        if parts < 1:
-            raise ValueError(f"parts = {parts} must be at least 1")
-        if banks not in (1, 2):
-            raise ValueError(f"banks = {banks} must be 1 or 2")
+        within(words=(words, 1, None), parts=(parts, 1, None))
+        one_of((1, 2), banks=banks)
         if not 0 <= start < words:
             raise ValueError(f"start = {start} must be below words = {words}")
         self.start = start

@@ -7,11 +7,12 @@ fork    msn_fork.sv      every word goes once to each of two followers
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 
 def skid(x, width=16):
     """The words ``x`` of ``width`` bits, unchanged: the block only changes the timing of `ready`."""
-    if width < 1:
-        raise ValueError(f"width = {width} must be at least 1")
+    within(width=(width, 1, None))
     return np.asarray(x, dtype=np.int64).copy()
 
 
@@ -19,8 +20,7 @@ def fifo(entries, depth=16, width=8):
     """The entries that leave the FIFO."""
     if depth < 2 or depth & (depth - 1):
         raise ValueError(f"depth = {depth} must be a power of two, 2 or more")
-    if width < 1:
-        raise ValueError(f"width = {width} must be at least 1")
+    within(width=(width, 1, None))
     return [entry & (1 << width) - 1 for entry in entries]
 
 

@@ -4,6 +4,8 @@ from functools import cache
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 TABLE_BITS = 8  # index bits of the finest table; smaller tables take every second, fourth .. entry
 ENTRY_BITS = 28  # fraction bits of its entries
 REST_BITS = 17  # at most, for the place between two entries
@@ -11,8 +13,7 @@ REST_BITS = 17  # at most, for the place between two entries
 
 def check_bits(table_bits, fraction_bits):
     """Raise ValueError unless the RTL can be built with this table and this fraction."""
-    if not 3 <= table_bits <= TABLE_BITS:
-        raise ValueError(f"table_bits = {table_bits} must lie in 3 .. {TABLE_BITS}")
+    within(table_bits=(table_bits, 3, TABLE_BITS))
     if not table_bits < fraction_bits <= table_bits + 14:
         low, high = table_bits + 1, table_bits + 14
         raise ValueError(

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 
 def round_sat(x, in_width, out_width, drop_bits, unsigned=False):
     """Drop ``drop_bits`` fraction bits (round half up), then saturate to the output's range.
@@ -13,8 +15,7 @@ def round_sat(x, in_width, out_width, drop_bits, unsigned=False):
     if not 1 <= drop_bits < in_width:
         raise ValueError(f"drop_bits = {drop_bits} must lie in 1 .. in_width-1 = {in_width - 1}")
     widest = in_width - drop_bits + 1 - unsigned
-    if not 1 <= out_width <= widest:
-        raise ValueError(f"out_width = {out_width} must lie in 1 .. {widest}")
+    within(out_width=(out_width, 1, widest))
     x = np.asarray(x, dtype=np.int64)
     if (x >> (in_width - 1) != x >> 63).any():  # the bits above are not all copies of the sign
         raise ValueError(f"x must fit {in_width} signed bits")

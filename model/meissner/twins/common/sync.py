@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 LATENCY = 2
 
 
@@ -9,8 +11,7 @@ class Sync:
     """out[n] = in[n-2]; in the first two clocks the output is what the flip-flops held: here 0."""
 
     def __init__(self, width=1):
-        if width < 1:
-            raise ValueError(f"width = {width} must be at least 1")
+        within(width=(width, 1, None))
         self.reset()
 
     def reset(self):

@@ -7,6 +7,7 @@ import numpy as np
 
 from meissner.twins.common.ratio import ratio
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, cop4_correct
+from meissner.twins.shared import within
 
 SCALE_BITS = 17  # of kx, ky, kf
 LOAD_BITS = 16
@@ -14,8 +15,7 @@ LOAD_BITS = 16
 
 def check_sample_bits(sample_bits):
     """Raise ValueError unless the RTL can be built for samples of this many bits."""
-    if not 4 <= sample_bits <= 24:
-        raise ValueError(f"sample_bits = {sample_bits} must lie in 4 .. 24")
+    within(sample_bits=(sample_bits, 4, 24))
 
 
 def check_samples(samples, sample_bits):

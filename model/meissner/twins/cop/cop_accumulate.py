@@ -2,13 +2,12 @@
 
 import numpy as np
 
+from meissner.twins.shared import LANES, one_of, within
+
 
 def check_size(rows, columns):
     """Raise ValueError for a size at which the RTL does not elaborate."""
-    if not 1 <= rows <= 1024:
-        raise ValueError(f"rows = {rows} must lie in 1 .. 1024")
-    if not 1 <= columns <= 1024:
-        raise ValueError(f"columns = {columns} must lie in 1 .. 1024")
+    within(rows=(rows, 1, 1024), columns=(columns, 1, 1024))
 
 
 def sum_bits(rows, columns):
@@ -42,8 +41,7 @@ class CopAccumulate:
 
     def __init__(self, rows, columns, lanes=1):
         check_size(rows, columns)
-        if lanes not in (1, 2, 4, 8):
-            raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
+        one_of(LANES, lanes=lanes)
         self.rows, self.columns, self.lanes = rows, columns, lanes
         self.row_beats = -(-columns // lanes)
         self.reset()

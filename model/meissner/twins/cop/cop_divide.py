@@ -4,6 +4,7 @@ import numpy as np
 
 from meissner.twins.common.divide import divide
 from meissner.twins.cop.cop_accumulate import check_size
+from meissner.twins.shared import within
 
 
 def cop_divide(total, mx, my, rows, columns, fraction_bits=14, min_load=1):
@@ -15,8 +16,7 @@ def cop_divide(total, mx, my, rows, columns, fraction_bits=14, min_load=1):
     below ``min_load``; a single column gives x = 0, a single row y = 0. Returns int32 x, int32 y, bool.
     """
     check_size(rows, columns)
-    if not 4 <= fraction_bits <= 20:
-        raise ValueError(f"fraction_bits = {fraction_bits} must lie in 4 .. 20")
+    within(fraction_bits=(fraction_bits, 4, 20))
     total, mx, my = (np.asarray(value, dtype=np.int64) for value in (total, mx, my))
     pressed = (total > 0) & (total >= min_load)
     safe = np.where(total > 0, total, 1)

@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 PLACE, LOAD = (-32768, 32767), (0, 65535)  # ranges of the RTL's inputs
 
 
@@ -52,8 +54,7 @@ class CopSlip:
     def __init__(self, lag=16, registers=CopSlipRegisters(), timer_bits=16):
         if not 1 <= lag <= 4096:
             raise ValueError(f"lag = {lag} samples must lie in 1 .. 4096")
-        if not 1 <= timer_bits <= 31:
-            raise ValueError(f"timer_bits = {timer_bits} must lie in 1 .. 31")
+        within(timer_bits=(timer_bits, 1, 31))
         widths = {"drop": 8, "move": 16, "min_load": 16, "hold": timer_bits, "refractory": timer_bits}
         for name, value in asdict(registers).items():
             if not 0 <= value < 1 << widths[name]:

@@ -1,10 +1,11 @@
 """Bit-exact twin of rtl/cop/msn_electrodes.sv: complete frames of four samples; counts damaged ones."""
 
+from meissner.twins.shared import within
+
 
 def electrodes(beats, sample_bits=17):
     """([(e1, e2, e3, e4)] of complete frames, number of damaged ones) of ``beats``: (data, id, last)."""
-    if sample_bits < 2:
-        raise ValueError(f"sample_bits = {sample_bits} must be at least 2")
+    within(sample_bits=(sample_bits, 2, None))
     found, frame, lost = [], [], 0
     for data, channel, last in beats:
         frame.append((channel, data))

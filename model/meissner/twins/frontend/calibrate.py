@@ -4,18 +4,14 @@ array's samples, with a word a taxel or by row and column."""
 import numpy as np
 
 from meissner.twins.common.round_sat import round_sat
+from meissner.twins.shared import LANES, one_of, within
 
 
 def check_array(rows, columns, lanes, sample_bits):
     """Raise ValueError for a size at which no stage of an array elaborates."""
-    if not 1 <= rows <= 1024:
-        raise ValueError(f"rows = {rows} must lie in 1 .. 1024")
-    if not 1 <= columns <= 1024:
-        raise ValueError(f"columns = {columns} must lie in 1 .. 1024")
-    if lanes not in (1, 2, 4, 8):
-        raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
-    if not 2 <= sample_bits <= 18:
-        raise ValueError(f"sample_bits = {sample_bits} must lie in 2 .. 18")
+    within(rows=(rows, 1, 1024), columns=(columns, 1, 1024))
+    one_of(LANES, lanes=lanes)
+    within(sample_bits=(sample_bits, 2, 18))
 
 
 class TaxelTable:
@@ -69,8 +65,7 @@ class TaxelTable:
         limit = 1 << (self.offset_bits - 1)
         if not -limit <= offset < limit:
             raise ValueError(f"offset = {offset} must fit {self.offset_bits} signed bits")
-        if not 0 <= gain < 1 << 16:
-            raise ValueError(f"gain = {gain} must lie in 0 .. 65535")
+        within(gain=(gain, 0, (1 << 16) - 1))
         return (int(offset) if self.offset else 0), int(gain)
 
 
@@ -110,8 +105,7 @@ def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bit
 
     ``mask``: taxels that give 0. ``gain_bits``: 16, or 32 for a row's gain times a column's.
     """
-    if not 1 <= gain_shift <= gain_bits:
-        raise ValueError(f"gain_shift = {gain_shift} must lie in 1 .. {gain_bits}")
+    within(gain_shift=(gain_shift, 1, gain_bits))
     difference = np.asarray(raw, dtype=np.int64) - offset
     if mask is not None:
         difference = np.where(mask, 0, difference)

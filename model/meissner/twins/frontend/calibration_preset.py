@@ -1,12 +1,13 @@
 """Bit-exact twin of rtl/frontend/msn_calibration_preset.sv: the writes to the tables after reset."""
 
+from meissner.twins.shared import LANES, one_of
+
 ROW_GAIN = 4096
 
 
 def preset(rows, columns, lanes, gain, row_column=False):
     """(row, word, offset, gain) of every write, each to all lanes of its word; then the banks are swapped."""
-    if lanes not in (1, 2, 4, 8):
-        raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
+    one_of(LANES, lanes=lanes)
     row_beats = -(-columns // lanes)
     if not row_column:
         return [(False, word, 0, gain) for word in range(rows * row_beats)]

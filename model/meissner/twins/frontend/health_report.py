@@ -1,12 +1,13 @@
 """Bit-exact twin of rtl/frontend/msn_health_report.sv: events of beats to reports of single taxels."""
 
+from meissner.twins.shared import LANES, one_of
+
 DEAD, RAILED, BLINKING = 1, 2, 4
 
 
 def reports(events, lanes):
     """(taxel, faults) of ``events``: (id of the beat, dead, railed, blinking), a bit for each lane."""
-    if lanes not in (1, 2, 4, 8):
-        raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
+    one_of(LANES, lanes=lanes)
     found = []
     for beat, dead, railed, blinking in events:
         for lane in range(lanes):

@@ -8,6 +8,7 @@ from meissner.twins.frontend import burst, scan
 from meissner.twins.frontend.adc_spi import MAX11123, AdcSpi, Part
 from meissner.twins.frontend.am_demod import IQ, AmDemod
 from meissner.twins.frontend.scan import Scan
+from meissner.twins.shared import LANES, fits, one_of
 
 
 @dataclass(frozen=True)
@@ -31,10 +32,8 @@ class ScanDemod:
     def __post_init__(self):
         if self.part.has_busy:
             raise ValueError(f"part = {self.part.name} must convert without BUSY")
-        if self.converters not in (1, 2, 4, 8):
-            raise ValueError(f"converters = {self.converters} must be 1, 2, 4 or 8")
-        if self.periods < 1:
-            raise ValueError(f"periods = {self.periods} must be at least 1")
+        one_of(LANES, converters=self.converters)
+        fits(self, periods=(1, None))
         if self.skip < 0:
             raise ValueError(f"skip = {self.skip} must not be negative")
         cycle = self.adc.cycle_clocks()

@@ -5,6 +5,8 @@ Clocks count from the first clock in which the block is enabled.
 
 from dataclasses import dataclass
 
+from meissner.twins.shared import LANES, one_of
+
 START = 4  # the first clock in which a line may be switched
 
 
@@ -51,8 +53,7 @@ class ScanPlan:
             value = getattr(self, name)
             if value < low or (high is not None and value > high):
                 raise ValueError(f"{name} = {value} must lie in {low} .. {high}")
-        if self.lanes not in (1, 2, 4, 8):
-            raise ValueError(f"lanes = {self.lanes} must be 1, 2, 4 or 8")
+        one_of(LANES, lanes=self.lanes)
         if self.groups > 1 and self.channels not in (1, 2, 4, 8):
             raise ValueError(f"channels = {self.channels} must be 1, 2, 4 or 8 with {self.groups} groups")
         if self.cycle < self.channels + 8:

@@ -4,6 +4,7 @@ import numpy as np
 
 from meissner.twins.common.round_sat import round_sat
 from meissner.twins.frontend.calibrate import check_array
+from meissner.twins.shared import within
 
 
 class Tare:
@@ -22,16 +23,14 @@ class Tare:
         self, rows, columns, lanes=1, sample_bits=17, fraction_bits=12, tare_log2=4, contact=64, step=1
     ):
         check_array(rows, columns, lanes, sample_bits)
-        if not 1 <= fraction_bits <= 16:
-            raise ValueError(f"fraction_bits = {fraction_bits} must lie in 1 .. 16")
+        within(fraction_bits=(fraction_bits, 1, 16))
         if not 0 <= tare_log2 <= min(fraction_bits, 8):
             raise ValueError(f"tare_log2 = {tare_log2} must be at most 8 and fraction_bits = {fraction_bits}")
         if sample_bits + fraction_bits < 9:  # b overshoots by at most a step of 255
             raise ValueError(
                 f"sample_bits = {sample_bits} and fraction_bits = {fraction_bits} must add to 9 or more"
             )
-        if not 0 <= step <= 255:
-            raise ValueError(f"step = {step} must lie in 0 .. 255")
+        within(step=(step, 0, 255))
         self.rows, self.columns, self.lanes, self.sample_bits = rows, columns, lanes, sample_bits
         self.fraction_bits, self.tare_log2, self.contact, self.step = fraction_bits, tare_log2, contact, step
         self.row_beats = -(-columns // lanes)

@@ -1,12 +1,13 @@
 """Bit-exact twin of rtl/link/msn_crc32.sv: CRC-32, ISO-HDLC."""
 
+from meissner.twins.shared import within
+
 START, RESIDUE = 0xFFFFFFFF, 0xDEBB20E3
 
 
 def crc32(values, bits=8, start=START):
     """The register after ``values`` of ``bits`` bits each, lowest first; the checksum is its complement."""
-    if not 1 <= bits <= 32:
-        raise ValueError(f"bits = {bits} must lie in 1 .. 32")
+    within(bits=(bits, 1, 32))
     crc = start
     for value in values:
         for place in range(bits):

@@ -1,6 +1,7 @@
 """Bit-exact twin of rtl/link/msn_image_chunks.sv: the newest complete image, cut into chunks."""
 
 from meissner.twins.link.image_store import ImageStore
+from meissner.twins.shared import within
 
 MAX_CHUNK = 116  # taxels: a packet has 253 bytes at most
 
@@ -18,8 +19,7 @@ def cut(taxels, chunk=64):
 
 
 def check_chunk(chunk):
-    if not 1 <= chunk <= MAX_CHUNK:
-        raise ValueError(f"chunk = {chunk} must lie in 1 .. {MAX_CHUNK}")
+    within(chunk=(chunk, 1, MAX_CHUNK))
 
 
 class ImageChunks:

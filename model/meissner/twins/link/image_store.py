@@ -1,12 +1,13 @@
 """Bit-exact twin of rtl/link/msn_image_store.sv: the newest complete image for a slow reader."""
 
+from meissner.twins.shared import within
+
 
 class ImageStore:
     """``next`` is one clock. ``readable``: the image that a reader may read, (time, taxels), or None."""
 
     def __init__(self, taxels=4096):
-        if not 2 <= taxels <= 65536:
-            raise ValueError(f"taxels = {taxels} must lie in 2 .. 65536")
+        within(taxels=(taxels, 2, 65536))
         self.taxels = taxels
         self.reset()
 

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, fields
 from numbers import Integral
 
+from meissner.twins.shared import one_of, within
+
 MAX_CHANNELS = 4096
 SAMPLE_BITS = 17
 TIMER_BITS = 16
@@ -10,8 +12,7 @@ TIMER_BITS = 16
 
 def check_channels(channels):
     """Raise ValueError for a number of channels with which the blocks of the slip path cannot be built."""
-    if not 1 <= channels <= MAX_CHANNELS:
-        raise ValueError(f"channels = {channels} must lie in 1 .. {MAX_CHANNELS}")
+    within(channels=(channels, 1, MAX_CHANNELS))
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,7 @@ class SlipConfig:
         for name in given:
             if not isinstance(getattr(self, name), Integral):
                 raise ValueError(f"{name} = {getattr(self, name)} must be an integer")
-        if self.level not in (1, 2, 3):
-            raise ValueError(f"level = {self.level} must be 1, 2 or 3")
+        one_of((1, 2, 3), level=self.level)
         step = 1 << self.level
         if self.window < 4 or self.window & (self.window - 1):
             raise ValueError(f"window = {self.window} must be a power of two, 4 or more")

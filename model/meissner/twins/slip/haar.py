@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from meissner.twins.shared import one_of
 from meissner.twins.slip.config import check_channels
 
 
@@ -15,8 +16,7 @@ def haar(x, level=1, mask=None):
     with the same sign, a_l is sqrt(2)**l times cA; neither is ever rounded. ``level``: 1, 2 or 3.
     ``mask``: samples not to be trusted; their groups (``masked_groups``) give 0 and 0.
     """
-    if level not in (1, 2, 3):
-        raise ValueError(f"level = {level} must be 1, 2 or 3")
+    one_of((1, 2, 3), level=level)
     total = np.asarray(x, dtype=np.int64)
     for _ in range(level):
         pairs = total.shape[-1] // 2

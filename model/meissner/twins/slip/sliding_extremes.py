@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from meissner.twins.shared import one_of, within
+
 
 def sliding_extremes(high, low, lag, taps):
     """Maximum of ``high`` and minimum of ``low`` over ``taps`` values ``lag`` apart.
@@ -11,10 +13,8 @@ def sliding_extremes(high, low, lag, taps):
     ``high``, ``low``: integers [..., n]; values before the start are left out.
     Returns two int64 arrays of the same shape. ``taps``: 2 or 4.
     """
-    if taps not in (2, 4):
-        raise ValueError(f"taps = {taps} must be 2 or 4")
-    if lag < 1:
-        raise ValueError(f"lag = {lag} must be at least 1")
+    one_of((2, 4), taps=taps)
+    within(lag=(lag, 1, None))
     high, low = np.asarray(high, dtype=np.int64), np.asarray(low, dtype=np.int64)
     out_high, out_low = high.copy(), low.copy()
     for shift in range(lag, min(taps * lag, high.shape[-1]), lag):

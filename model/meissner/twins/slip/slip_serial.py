@@ -3,6 +3,7 @@
 import numpy as np
 
 from meissner.twins.common.frame_filter import FrameFilter
+from meissner.twins.shared import one_of, within
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import Slip, State
@@ -18,12 +19,8 @@ class SlipSerial:
     """
 
     def __init__(self, config, sample_bits=17, timer_bits=14, digit=2):
-        if sample_bits < 2:
-            raise ValueError(f"sample_bits = {sample_bits} must be at least 2")
-        if not 1 <= timer_bits <= 31:
-            raise ValueError(f"timer_bits = {timer_bits} must lie in 1 .. 31")
-        if digit not in (1, 2):
-            raise ValueError(f"digit = {digit} must be 1 or 2")
+        within(sample_bits=(sample_bits, 2, None), timer_bits=(timer_bits, 1, 31))
+        one_of((1, 2), digit=digit)
         if config.hop != config.window:
             raise ValueError(
                 f"hop = {config.hop} must equal the window, {config.window}: "
