@@ -49,8 +49,7 @@ def windows(x, config, count):
 
 def cop(forces, min_load=1):
     """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""
-    from meissner.twins.cop.cop_accumulate import moments
-    from meissner.twins.cop.cop_divide import cop_divide
+    from meissner.twins.cop.cop import cop_divide, moments
 
     frames, rows, columns = forces.shape
     sums = np.empty((3, frames), dtype=np.int64)

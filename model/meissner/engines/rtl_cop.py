@@ -5,7 +5,7 @@ import ctypes
 import numpy as np
 
 from meissner.engines import verilated
-from meissner.twins.cop.cop_accumulate import sum_bits
+from meissner.twins.cop.cop import sum_bits
 
 WIDE = 16  # from this many columns on, eight lanes simulate faster than one
 TRACE_CLK_KHZ = 100_000

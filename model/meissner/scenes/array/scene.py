@@ -10,7 +10,7 @@ from msgspec import Meta
 from meissner.physics import mesh_loads, patches, plantar
 from meissner.scenes import base
 from meissner.tables import Count, Positive, Table, values
-from meissner.twins.cop.cop_accumulate import sum_bits
+from meissner.twins.cop.cop import sum_bits
 
 FEATURES = {"cop": "position and load are compared with the forces"}
 WHY = {

@@ -15,7 +15,7 @@ from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
 from meissner.scenes.hand.host import Host
 from meissner.scenes.hand.scene import grasp
-from meissner.twins.actuate.finger_health import FingerHealth
+from meissner.twins.actuate.actuate import FingerHealth
 from meissner.twins.actuate.grip import Grip
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak

@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/common/msn_delay.sv: a delay of a fixed number of steps."""
+"""Bit-exact twins of rtl/common/msn_delay.sv and msn_sync.sv: values a fixed number of steps later."""
 
 import numpy as np
 
@@ -27,3 +27,25 @@ class Delay:
         """``reset`` and then ``next``."""
         self.reset()
         return self.next(x)
+
+
+LATENCY = 2
+
+
+class Sync:
+    """out[n] = in[n-2]; in the first two clocks the output is what the flip-flops held: here 0."""
+
+    def __init__(self, width=1):
+        within(width=(width, 1, None))
+        self.reset()
+
+    def reset(self):
+        self.held = [0] * LATENCY
+
+    def next(self, x):
+        """Clock in one value and return the output of the same clock."""
+        self.held.append(int(x))
+        return self.held.pop(0)
+
+    def process(self, x):
+        return np.array([self.next(value) for value in np.asarray(x)], dtype=np.int64)

@@ -1,9 +1,9 @@
-"""Bit-exact twin of rtl/frontend/msn_calibrate.sv, msn_taxel_table.sv and msn_grid_table.sv: forces from an
-array's samples, with a word a taxel or by row and column."""
+"""Bit-exact twins of rtl/frontend/msn_calibrate.sv, msn_taxel_table.sv and msn_grid_table.sv: forces from an
+array's samples, by taxel or by row and column; msn_calibration_preset.sv: the tables' words after reset."""
 
 import numpy as np
 
-from meissner.twins.common.round_sat import round_sat
+from meissner.twins.common.arithmetic import round_sat
 from meissner.twins.shared import LANES, one_of, within
 
 
@@ -163,3 +163,17 @@ class Calibrate:
         if not self.table.loaded:
             gain = np.zeros_like(gain)
         return forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
+
+
+ROW_GAIN = 4096
+
+
+def preset(rows, columns, lanes, gain, row_column=False):
+    """(row, word, offset, gain) of every write, each to all lanes of its word; then the banks are swapped."""
+    one_of(LANES, lanes=lanes)
+    row_beats = -(-columns // lanes)
+    if not row_column:
+        return [(False, word, 0, gain) for word in range(rows * row_beats)]
+    return [(False, word, 0, gain) for word in range(row_beats)] + [
+        (True, row, 0, ROW_GAIN) for row in range(rows)
+    ]

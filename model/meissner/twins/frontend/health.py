@@ -1,4 +1,5 @@
-"""Bit-exact twin of rtl/frontend/msn_health.sv: finds taxels that cannot be trusted."""
+"""Bit-exact twins of rtl/frontend/msn_health.sv, which finds taxels that cannot be trusted, and
+msn_health_report.sv: events of beats to reports of single taxels."""
 
 from dataclasses import dataclass
 
@@ -6,6 +7,7 @@ import numpy as np
 
 from meissner.twins.frontend.calibrate import check_array
 from meissner.twins.frontend.health_taxel import BLINKING, DEAD, RAILED, State, judge
+from meissner.twins.shared import LANES, one_of
 
 # Slices of an array with a border of one: each taxel, and its left, right, upper and lower neighbours.
 HERE = (slice(1, -1), slice(1, -1))
@@ -182,3 +184,15 @@ class Health:
             padded[:, : self.columns] = bits if seen is None else bits & seen
             words.append(padded.reshape(-1, self.lanes) @ (1 << np.arange(self.lanes)))
         return [(int(beat), *(int(word[beat]) for word in words[1:])) for beat in np.flatnonzero(words[0])]
+
+
+def reports(events, lanes):
+    """(taxel, faults) of ``events``: (id of the beat, dead, railed, blinking), a bit for each lane."""
+    one_of(LANES, lanes=lanes)
+    found = []
+    for beat, dead, railed, blinking in events:
+        for lane in range(lanes):
+            kinds = ((dead, DEAD), (railed, RAILED), (blinking, BLINKING))
+            faults = sum(kind for bits, kind in kinds if bits >> lane & 1)
+            found += [(beat * lanes + lane, faults)] if faults else []
+    return found

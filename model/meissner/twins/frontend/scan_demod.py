@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.twins.frontend import burst, scan
+from meissner.twins.frontend import scan, timing
 from meissner.twins.frontend.adc_spi import MAX11123, AdcSpi, Part
 from meissner.twins.frontend.am_demod import IQ, AmDemod
 from meissner.twins.frontend.scan import Scan
@@ -50,7 +50,7 @@ class ScanDemod:
     @property
     def count(self):
         """Samples of a burst."""
-        return burst.samples(self.skip, self.periods, self.samples_per_period)
+        return timing.samples(self.skip, self.periods, self.samples_per_period)
 
     @property
     def demod(self):

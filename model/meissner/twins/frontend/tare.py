@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meissner.twins.common.round_sat import round_sat
+from meissner.twins.common.arithmetic import round_sat
 from meissner.twins.frontend.calibrate import check_array
 from meissner.twins.shared import within
 

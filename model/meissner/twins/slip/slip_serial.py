@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meissner.twins.common.frame_filter import FrameFilter
+from meissner.twins.common.frames import FrameFilter
 from meissner.twins.shared import one_of, within
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak

@@ -1,4 +1,5 @@
-"""Twin of rtl/frontend/msn_burst.sv: when the conversions of a burst start, and how many there are."""
+"""Twins of rtl/frontend/msn_burst.sv: when the conversions of a burst start, and how many there are; and
+msn_time_stamp.sv: the convert start of each frame that is taken."""
 
 
 def triggers(starts, count, period, end):
@@ -19,3 +20,21 @@ def triggers(starts, count, period, end):
 def samples(skip, periods, samples_per_period):
     """Conversions of a burst that msn_am_demod needs."""
     return skip + periods * samples_per_period
+
+
+def time_stamps(clocks):
+    """The clock of each frame's convert start; ``clocks``: (convert, valid, ready, last) of every clock.
+
+    A frame's convert start is the last one before its first sample is offered.
+    """
+    converted, frame, found = None, None, []
+    for now, (convert, valid, ready, last) in enumerate(clocks):
+        if valid:
+            if frame is None:
+                frame = converted
+                found.append(frame)
+            if ready and last:
+                frame = None
+        if convert:
+            converted = now
+    return found
