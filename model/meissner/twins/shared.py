@@ -20,7 +20,7 @@ def one_of(allowed, **values):
     """ValueError unless each of ``values`` is one of ``allowed``."""
     for name, value in values.items():
         if value not in allowed:
-            raise ValueError(f"{name} = {value} must be one of {', '.join(map(str, allowed))}")
+            raise ValueError(f"{name} = {value!r} must be one of {', '.join(map(str, allowed))}")
 
 
 class Stream:

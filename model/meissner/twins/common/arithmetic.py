@@ -41,10 +41,8 @@ def round_sat(x, in_width, out_width, drop_bits, unsigned=False):
 
     ``x``: integers of ``in_width`` signed bits; low, high: the limits of ``out_width`` bits, signed or not.
     """
-    if not 1 <= drop_bits < in_width:
-        raise ValueError(f"drop_bits = {drop_bits} must lie in 1 .. in_width-1 = {in_width - 1}")
-    widest = in_width - drop_bits + 1 - unsigned
-    within(out_width=(out_width, 1, widest))
+    within(drop_bits=(drop_bits, 1, in_width - 1))
+    within(out_width=(out_width, 1, in_width - drop_bits + 1 - unsigned))
     x = np.asarray(x, dtype=np.int64)
     if (x >> (in_width - 1) != x >> 63).any():  # the bits above are not all copies of the sign
         raise ValueError(f"x must fit {in_width} signed bits")

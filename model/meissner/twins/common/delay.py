@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from meissner.twins.shared import within
+from meissner.twins.shared import Stream, within
 
 
-class Delay:
+class Delay(Stream):
     """out = in, ``depth`` steps ago. The outputs of the first ``depth`` steps are undefined."""
 
     def __init__(self, depth):
@@ -22,11 +22,6 @@ class Delay:
         line = np.concatenate([self._past, np.asarray(x, dtype=np.int64)])
         self._past = line[len(line) - self.depth :]
         return line[: len(line) - self.depth]
-
-    def process(self, x):
-        """``reset`` and then ``next``."""
-        self.reset()
-        return self.next(x)
 
 
 LATENCY = 2

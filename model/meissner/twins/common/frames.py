@@ -70,9 +70,7 @@ class FrameMarker:
     """
 
     def __init__(self, rows, row_beats):
-        for name, value in (("rows", rows), ("row_beats", row_beats)):
-            if value < 1:
-                raise ValueError(f"{name} = {value} must be at least 1")
+        within(rows=(rows, 1, None), row_beats=(row_beats, 1, None))
         self.rows, self.row_beats = rows, row_beats
         self.reset()
 

@@ -1,14 +1,14 @@
 """Bit-exact twins of rtl/cop/msn_cop4.sv, position and load from the codes of the four electrodes, and of
 msn_electrodes.sv, which passes complete frames of them."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from meissner.twins.common.ratio import ratio
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, cop4_correct
-from meissner.twins.shared import within
+from meissner.twins.shared import fits, within
 
 SCALE_BITS = 17  # of kx, ky, kf
 LOAD_BITS = 16
@@ -63,10 +63,7 @@ class Cop4Registers:
         limits |= dict.fromkeys(("idle", "busy"), (-half, half - 1))
         limits |= {"rail": (0, 2 * half - 1), "top": (0, half - 1), "imbalance": (0, 4 * half - 1)}
         limits |= {"min_load": (0, (1 << LOAD_BITS) - 1)}
-        for name, value in asdict(self).items():
-            low, high = limits[name]
-            if not low <= value <= high:
-                raise ValueError(f"{name} = {value} must lie in {low} .. {high}")
+        fits(self, **limits)
 
 
 class Cop4(NamedTuple):

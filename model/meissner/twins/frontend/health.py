@@ -7,7 +7,7 @@ import numpy as np
 
 from meissner.twins.frontend.calibrate import check_array
 from meissner.twins.frontend.health_taxel import BLINKING, DEAD, RAILED, State, judge
-from meissner.twins.shared import LANES, one_of
+from meissner.twins.shared import LANES, Stream, fits, one_of
 
 # Slices of an array with a border of one: each taxel, and its left, right, upper and lower neighbours.
 HERE = (slice(1, -1), slice(1, -1))
@@ -30,12 +30,10 @@ class Limits:
     blink: int = 64
 
     def __post_init__(self):
-        for name in ("still", "rail", "blink"):
-            if not 0 <= getattr(self, name) <= 255:
-                raise ValueError(f"{name} = {getattr(self, name)} must lie in 0 .. 255")
+        fits(self, still=(0, 255), rail=(0, 255), blink=(0, 255))
 
 
-class Health:
+class Health(Stream):
     """Finds dead, railed and blinking taxels in a stream of frames.
 
         moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
@@ -96,11 +94,6 @@ class Health:
             masks[frame] = self._mask()
             events.append(self._learn(raw[frame], over[frame], None, True))
         return masks, events
-
-    def process(self, raw, over=None):
-        """``reset`` and then ``next``."""
-        self.reset()
-        return self.next(raw, over)
 
     def beat(self, raw, over, id_, last, fits=True):
         """One beat as FrameMarker passes it: its mask, and the events of the frame that it ends."""

@@ -33,14 +33,7 @@ class ScanDemod:
         if self.part.has_busy:
             raise ValueError(f"part = {self.part.name} must convert without BUSY")
         one_of(LANES, converters=self.converters)
-        fits(self, periods=(1, None))
-        if self.skip < 0:
-            raise ValueError(f"skip = {self.skip} must not be negative")
-        cycle = self.adc.cycle_clocks()
-        if self.sample_period < cycle:
-            raise ValueError(
-                f"sample_period = {self.sample_period} must be at least the converter's {cycle} clocks"
-            )
+        fits(self, periods=(1, None), skip=(0, None), sample_period=(self.adc.cycle_clocks(), None))
         assert self.demod and self.scan  # constructing them checks their parameters
 
     @property

@@ -1,15 +1,15 @@
 """Twins of rtl/frontend/msn_burst.sv: when the conversions of a burst start, and how many there are; and
 msn_time_stamp.sv: the convert start of each frame that is taken."""
 
+from meissner.twins.shared import within
+
 
 def triggers(starts, count, period, end):
     """Clocks of trigger_o before ``end``; ``starts``: clocks of start_i. Each start restarts the burst.
 
     ``count`` and ``period``: the numbers themselves, 1 or more; the registers hold them without the top bit.
     """
-    for name, value in (("count", count), ("period", period)):
-        if value < 1:
-            raise ValueError(f"{name} = {value} must be 1 or more")
+    within(count=(count, 1, None), period=(period, 1, None))
     clocks = []
     for start, after in zip(starts, [*starts[1:], end]):
         burst = range(start + 1, start + 1 + count * period, period)

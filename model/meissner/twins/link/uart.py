@@ -1,6 +1,8 @@
 """Bit-exact twins of rtl/link/msn_uart_tx.sv, the levels of a serial line, clock by clock, and
 msn_uart_rx.sv, bytes and damaged bytes of a line."""
 
+from meissner.twins.shared import Stream
+
 
 def sixteenths(clk_hz=12_000_000, baud_hz=1_000_000):
     """Average length of a bit in sixteenths of a clock."""
@@ -24,7 +26,7 @@ def levels(data, clk_hz=12_000_000, baud_hz=1_000_000, part=0):
     return line
 
 
-class UartRx:
+class UartRx(Stream):
     """``next`` takes levels, one per clock, and returns a list of (clock, byte); byte None: no stop bit.
 
     ``clock`` counts from reset; the synchroniser delays a level by 2 clocks.
@@ -62,8 +64,3 @@ class UartRx:
                     self._bits.append(rx)
             self._clock += 1
         return found
-
-    def process(self, levels):
-        """``reset`` and then ``next``."""
-        self.reset()
-        return self.next(levels)

@@ -5,7 +5,7 @@ from math import ceil, log2
 
 import numpy as np
 
-from meissner.twins.shared import one_of, within
+from meissner.twins.shared import Stream, one_of, within
 from meissner.twins.slip.config import check_channels
 
 MASKED = np.iinfo(np.int64).min  # in a history: this detail is ignored
@@ -57,7 +57,7 @@ def sliding(detail, span):
     return _spread(high, low)
 
 
-class PeakToPeak:
+class PeakToPeak(Stream):
     """Running peak-to-peak of each channel, window by window.
 
         p2p = max d - min d over the window so far
@@ -97,11 +97,6 @@ class PeakToPeak:
         self._kept = history[:, self._keep_from(history.shape[1]) :]
         end = (index >= self.span - 1) & ((index - (self.span - 1)) % self.hop == 0)
         return p2p[:, kept:], end
-
-    def process(self, detail, mask=None):
-        """``reset`` and then ``next``: all of ``detail`` in one call."""
-        self.reset()
-        return self.next(detail, mask)
 
     def _keep_from(self, length):
         """Start of the history that later details still need, aligned to a part."""
