@@ -134,7 +134,8 @@ def test_scene_check_says_why(capsys, tmp_path):
         assert code == 2 and words in out.err and out.err.count("\n") == 1
 
 
-# What a scene may import of physics and twins, a folder with all in it; every scene: slip.config, common, shared.
+# What a scene may import of physics and twins, a folder with all in it; and EVERY.
+EVERY = ("slip.config", "common", "shared")
 _MESH = "mesh mesh_loads cop4_config cop4_registers / cop.cop4 cop.cop4_correct"
 _SLIP = "slip.haar slip.peak_to_peak slip.slip slip.slip_path"
 _TAXELS = "mesh_loads patches plantar / cop.cop"
@@ -176,7 +177,7 @@ def test_a_scene_imports_only_what_it_runs(name, engine):
     physics, twins = (part.split() for part in IMPORTS[name].split("/"))
     allowed = [*(f"physics.{part}" for part in ("adc", *physics)), "engines.features", "engines.protocol"]
     allowed += [
-        *(f"twins.{part}" for part in ("slip.config", "common", "shared", *twins)),
+        *(f"twins.{part}" for part in (*EVERY, *twins)),
         f"engines.{engine}",
     ]
     assert not [

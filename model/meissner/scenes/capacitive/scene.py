@@ -363,9 +363,5 @@ def simulate(scene, seed=0):
             parts[way] = world.probed(EVERY_CELL, CALIBRATION_G, CALIBRATION_FRAMES)
     parts |= _KINDS[scene.kind](world, scene)
     return Recording(
-        scene=scene,
-        seed=seed,
-        parts=parts,
-        over_range=world.over_range,
-        modelled=modelled(scene),
+        scene=scene, seed=seed, parts=parts, over_range=world.over_range, modelled=modelled(scene)
     )

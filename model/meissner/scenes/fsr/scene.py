@@ -240,11 +240,7 @@ def simulate(scene, seed=0):
     for circuit in fsr.CIRCUITS:
         for unselected in fsr.UNSELECTED:
             readout = fsr.Readout(
-                circuit,
-                unselected,
-                scene.readout.supply_v,
-                scene.readout.driver_ohm,
-                scene.readout.load_ohm,
+                circuit, unselected, scene.readout.supply_v, scene.readout.driver_ohm, scene.readout.load_ohm
             )
             readings[circuit, unselected] = fsr.output_volts(siemens[shown], readout)
     return Recording(
