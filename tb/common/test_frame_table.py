@@ -9,7 +9,7 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 import bench
-from meissner.twins.common.frame_table import FrameTable
+from meissner.twins.common.frames import FrameTable
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

@@ -211,13 +211,7 @@ def build(
 
 
 def _fitting(
-    board: Board,
-    config: str,
-    sizes: list[str | None],
-    stem: str,
-    clk_mhz: float,
-    seed: int,
-    limit_s: int,
+    board: Board, config: str, sizes: list[str | None], stem: str, clk_mhz: float, seed: int, limit_s: int
 ) -> Report:
     """nextpnr's report for the first device that the design fits; smaller ones are removed from ``sizes``."""
     while True:
