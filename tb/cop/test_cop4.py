@@ -20,6 +20,7 @@ from meissner.physics.mesh_loads import true_centre
 from meissner.twins.common.divide import steps
 from meissner.twins.cop.cop4 import Cop4Registers, cop4
 from meissner.twins.cop.cop4_correct import CorrectionRegisters
+from reference import exact
 
 FIELDS = ["x~", "y~", "load", "pressed", "over", "saturated", "imbalance", "open"]
 ADC = Adc(bits=16, low_v=-10.0, high_v=10.0)
@@ -230,16 +231,6 @@ def test_cop4(bits, per_clock, correct):
     bench.run("cop", "cop4", {"SampleBits": bits, "BitsPerClock": per_clock, "Correct": correct})
 
 
-def nearest(value):
-    """Integer nearest to a fraction, ties away from zero: the definition, in exact rationals."""
-    size = int(abs(value) + Fraction(1, 2))
-    return size if value >= 0 else -size
-
-
-def held(value):
-    return min(max(value, Fraction(-1)), Fraction(1))
-
-
 @pytest.mark.parametrize("bits", [4, 9, 17, 24])
 @pytest.mark.parametrize("which", range(5))
 def test_model_against_fractions(bits, which):
@@ -248,10 +239,10 @@ def test_model_against_fractions(bits, which):
     raised = set()
     for (e1, e2, e3, e4), got in zip(samples.tolist(), expected_of(samples, r, bits)):
         n, m, d = r.rail - e1 - e3, r.rail + e2 + e4, e1 + e3 - e2 - e4
-        x = held(Fraction(r.kx * (e1 - e3), n << r.shift_x)) if n > 0 else Fraction(0)
-        y = held(Fraction(r.ky * (e2 - e4), m << r.shift_y)) if m > 0 else Fraction(0)
+        x = exact.held(Fraction(r.kx * (e1 - e3), n << r.shift_x), -1, 1) if n > 0 else Fraction(0)
+        y = exact.held(Fraction(r.ky * (e2 - e4), m << r.shift_y), -1, 1) if m > 0 else Fraction(0)
         load = Fraction(r.kf * min(n, r.rail), d << 8 + r.shift_load) if d > 0 else Fraction(int(r.kf > 0))
-        load = nearest(held(load) * 65536) if n > 0 else 0
+        load = exact.away(exact.held(load, -1, 1) * 65536) if n > 0 else 0
         pairs = [(e1, e3), (-1 - e2, -1 - e4), (e3, e1), (-1 - e4, -1 - e2)]
         wanted = {
             "load": min(load, 65535),
@@ -263,7 +254,11 @@ def test_model_against_fractions(bits, which):
         raised |= {(name, wanted[name]) for name in ("over", "saturated", "imbalance")}
         fault = wanted["saturated"] or wanted["imbalance"] or wanted["open"]
         pressed = int(load >= max(1, r.min_load) and not fault)
-        wanted |= {"x": nearest(x * 16384) * pressed, "y": nearest(y * 16384) * pressed, "pressed": pressed}
+        wanted |= {
+            "x": exact.away(x * 16384) * pressed,
+            "y": exact.away(y * 16384) * pressed,
+            "pressed": pressed,
+        }
         assert got == wanted, (e1, e2, e3, e4)
     if which == 2:
         assert len(raised) == 6, "a flag was never, or always, raised"
