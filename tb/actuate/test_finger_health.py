@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.actuate.finger_health import FingerHealth
+from meissner.twins.actuate.actuate import FingerHealth
 
 LOW, HIGH = -21, 300
 

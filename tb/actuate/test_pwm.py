@@ -7,7 +7,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.actuate.pwm import pwm
+from meissner.twins.actuate.actuate import pwm
 
 QUIET = {"in_valid_i": 0, "in_data_i": 0, "cfg_divide_i": 0}
 

@@ -7,7 +7,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.common.frame_filter import FrameFilter
+from meissner.twins.common.frames import FrameFilter
 
 
 def damaged_stream(channels, frames, rate, seed):

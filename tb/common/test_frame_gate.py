@@ -12,7 +12,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.common.frame_gate import first_frame
+from meissner.twins.common.frames import first_frame
 
 FRAME = 5
 STAGES = (1, 8, 40)

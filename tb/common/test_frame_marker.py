@@ -8,7 +8,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.common.frame_marker import FrameMarker
+from meissner.twins.common.frames import FrameMarker
 
 
 def damaged_beats(beats, frames, rate, seed):

@@ -10,7 +10,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.common.frame_owed import FrameOwed
+from meissner.twins.common.frames import FrameOwed
 
 IDLE = (0, 1, 0, 0, 1)  # taken, first, done (bits), drop, quiet
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.common.round_sat import round_sat
+from meissner.twins.common.arithmetic import round_sat
 
 SIZES = [
     (24, 16, 8, 0),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.common.width_converter import width_converter
+from meissner.twins.common.handshake import width_converter
 
 FIELDS = ["data", "id", "last"]
 

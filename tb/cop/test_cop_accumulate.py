@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.cop.cop_accumulate import CopAccumulate, moments, sum_bits
+from meissner.twins.cop.cop import CopAccumulate, moments, sum_bits
 
 FIELDS = ["sum", "mx~", "my~"]
 

@@ -10,8 +10,7 @@ import pytest
 
 import bench
 from meissner.twins.common.divide import steps
-from meissner.twins.cop.cop_accumulate import moments, sum_bits
-from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.cop.cop import cop_divide, moments, sum_bits
 
 FIELDS = ["x~", "y~", "load", "pressed"]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.cop.electrodes import electrodes
+from meissner.twins.cop.cop4 import electrodes
 
 FIELDS = ["e1~", "e2~", "e3~", "e4~"]
 

@@ -29,7 +29,7 @@ from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.register_map import GROUPS
 from meissner.twins.link.registers import Registers
 from meissner.twins.link.registers import settings as all_settings
-from meissner.twins.link.uart_tx import levels
+from meissner.twins.link.uart import levels
 from parts.ad7606 import Ad7606
 from parts.mcp3208 import Mcp3208
 from parts.timing import changed

@@ -10,7 +10,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.frontend.burst import samples, triggers
+from meissner.twins.frontend.timing import samples, triggers
 
 
 async def watch(dut, starts, end, taken=(), lost=()):

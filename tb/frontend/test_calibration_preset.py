@@ -9,7 +9,7 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.twins.frontend.calibration_preset import preset
+from meissner.twins.frontend.calibrate import preset
 
 KIND = "calibrate_cfg"
 

@@ -6,7 +6,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.frontend.health_report import reports
+from meissner.twins.frontend.health import reports
 
 
 def events(draw, count, lanes, id_bits):

@@ -7,7 +7,7 @@ import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.frontend.time_stamp import time_stamps
+from meissner.twins.frontend.timing import time_stamps
 
 
 def converter(draw, frames, channels):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.crc32 import RESIDUE, crc32
+from meissner.twins.link.packet import RESIDUE, crc32
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

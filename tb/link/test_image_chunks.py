@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.image_chunks import ImageChunks, cut
+from meissner.twins.link.images import ImageChunks, cut
 
 
 def sizes(dut):

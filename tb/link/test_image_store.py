@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.image_store import ImageStore
+from meissner.twins.link.images import ImageStore
 
 
 def beats_of(rng, taxels, images, damage):

@@ -16,7 +16,7 @@ from link.test_bridge import Registers
 from meissner.twins.link import packet as p
 from meissner.twins.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, command
 from meissner.twins.link.link import line_of, packets_of
-from meissner.twins.link.uart_tx import levels
+from meissner.twins.link.uart import levels
 
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
 TIME = 0xFEDC_BA98_7654

@@ -7,8 +7,8 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.twins.link.link_slip import link_slip
-from meissner.twins.link.uart_rx import UartRx
+from meissner.twins.link.link import link_slip
+from meissner.twins.link.uart import UartRx
 
 CLK, BAUD, BITS = 4_000_000, 500_000, 14
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.packet_slip import packets
+from meissner.twins.link.packet import packets
 
 
 class Line:

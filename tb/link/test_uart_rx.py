@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.uart_rx import UartRx
-from meissner.twins.link.uart_tx import sixteenths
+from meissner.twins.link.uart import UartRx, sixteenths
 from reference.uart_cases import READS, cases, low_from_the_reset_on
 from reference.uart_rx import receive
 

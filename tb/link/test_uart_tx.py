@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.uart_tx import levels, sixteenths
+from meissner.twins.link.uart import levels, sixteenths
 
 RATES = [(12_000_000, 3_000_000), (25_000_000, 3_000_000), (48_000_000, 921_600), (12_000_000, 1_000_000)]
 

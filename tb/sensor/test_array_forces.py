@@ -12,9 +12,8 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.twins.frontend.calibration_preset import preset
-from meissner.twins.frontend.health import Limits
-from meissner.twins.frontend.health_report import reports
+from meissner.twins.frontend.calibrate import preset
+from meissner.twins.frontend.health import Limits, reports
 from meissner.twins.sensor.array_forces import ArrayForces
 
 LIMITS = Limits(

@@ -14,7 +14,7 @@ import bench
 import members
 from meissner.twins.frontend.adc_spi import MAX11125, MCP3208
 from meissner.twins.frontend.health import Limits
-from meissner.twins.sensor.sensor_array import from_reset, sensor_array
+from meissner.twins.sensor.sensors import from_reset, sensor_array
 from sensor import array_by_hand
 
 ROWS, COLUMNS, LANES = 3, 4, 2

@@ -12,7 +12,7 @@ from cocotb.triggers import ReadOnly, RisingEdge
 import bench
 import members
 from meissner.twins.frontend.acquire import Acquire
-from meissner.twins.sensor.sensor_channels import sensor_channels
+from meissner.twins.sensor.sensors import sensor_channels
 
 CHANNELS, FRAMES = 3, 24
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.slip.sliding_extremes import sliding_extremes
+from meissner.twins.slip.peak_to_peak import sliding_extremes
 
 FIELDS = ["high~", "low~", "side", "last", "restart"]
 

@@ -7,7 +7,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.slip.slip_flags import slip_flags
+from meissner.twins.slip.slip_path import slip_flags
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

@@ -11,6 +11,8 @@ import tempfile
 import time
 from dataclasses import replace
 
+from msgspec import structs
+
 from meissner import run as runs
 from meissner import scenes
 
@@ -26,7 +28,7 @@ def stretch(scene):
         world = scene.world | SOON
         world["tugs"] = [(*when, newtons) for when, (_, _, newtons) in zip(TUGS, scene.world["tugs"])]
         grip = scene.grip | (RELEASE if scene.name == "grip_release" else {})
-        conditions = tuple(replace(condition, duration_s=HAND_S) for condition in scene.conditions)
+        conditions = tuple(structs.replace(condition, duration_s=HAND_S) for condition in scene.conditions)
         scene = replace(scene, conditions=conditions, world=world, grip=grip)
     return replace(scene, seeds=1) if hasattr(scene, "seeds") else scene
 

@@ -40,7 +40,20 @@ def private(name: str) -> Iterator[str]:
 
 
 def synthesise(board: Board, config: str, folder: str) -> "tuple[str, Counter[str]]":
-    """Make the netlist for place and route in ``folder``: (stem of its files, cell counts)."""
+    """Make the netlist for place and route in ``folder``.
+
+    Returns
+    -------
+    stem : str
+        The files without their suffixes, relative to ROOT.
+    cells : Counter
+        Number of cells of each type.
+
+    Raises
+    ------
+    ToolError
+        If Yosys fails; ValueError if the board lacks the pins.
+    """
     boards.write_board(folder, board, config)
     stem = f"{folder}/{board.top}"
     script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {' '.join(board.sources)} {stem}.sv; "
@@ -97,7 +110,22 @@ def place(
     seed: int,
     limit_s: int = LIMIT_S,
 ) -> Report:
-    """Place and route with one seed; returns nextpnr's report. ToolError if it exceeds its time limit."""
+    """nextpnr's report of place and route with one seed.
+
+    Parameters
+    ----------
+    clk_mhz : float
+        Goal; a slower result is no error.
+    limit_s : int
+        Of processor time, in seconds.
+
+    Raises
+    ------
+    TooLarge
+        If the design does not fit the device.
+    ToolError
+        If the tool fails or exceeds its time.
+    """
     words = board.pnr.format(stem=stem, device=board.devices.get(device or ""))
     program, *options = words.split()
     report, log = f"{stem}.{seed}.report.json", f"{stem}.{seed}.pnr.log"
@@ -123,10 +151,20 @@ def build(
     patient: bool,
     limit_s: int = LIMIT_S,
 ) -> dict[str, Any]:
-    """Build in ``folder`` with ``seeds``; returns the entry of resources.json for this pair.
+    """Build in ``folder``; returns the entry of resources.json for this pair.
 
-    ``device``: its name, or None for the board's smallest that fits. ``patient``: place with every seed, all
-    must succeed; otherwise stop at the first seed that meets the clock and skip seeds that fail.
+    Parameters
+    ----------
+    device : str, optional
+        Its name; None: the board's smallest that fits.
+    patient : bool
+        Place with every seed, all must succeed; otherwise stop at the first seed that meets the clock and
+        skip seeds that fail.
+
+    Raises
+    ------
+    ToolError
+        If no seed meets the clock; TooLarge if the design fits no device.
     """
     clk_mhz = board.parameters(config)["ClkKhz"] / 1000
     stem, cells = synthesise(board, config, folder)
@@ -173,13 +211,7 @@ def build(
 
 
 def _fitting(
-    board: Board,
-    config: str,
-    sizes: list[str | None],
-    stem: str,
-    clk_mhz: float,
-    seed: int,
-    limit_s: int,
+    board: Board, config: str, sizes: list[str | None], stem: str, clk_mhz: float, seed: int, limit_s: int
 ) -> Report:
     """nextpnr's report for the first device that the design fits; smaller ones are removed from ``sizes``."""
     while True:
