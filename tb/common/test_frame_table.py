@@ -1,6 +1,6 @@
 """msn_frame_table against its model: one word to many, both banks, parts written one by one while the other
-bank is read; restarts anywhere, with stalls; a word is valid two advances after a restart; one that is written as
-it is read is marked."""
+bank is read; restarts anywhere, with stalls; a word is valid two advances after a restart; one that is
+written as it is read is marked."""
 
 import random
 
@@ -74,8 +74,8 @@ async def matches_model(dut, pause_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def marks_a_word_that_is_written_as_it_is_read(dut):
-    """A plain loop: writes to every bank, mostly of the word that is read or the one before or after it, restarts
-    and pauses. A marked word is undefined; any other is what was last written before it was read."""
+    """A plain loop: writes to every bank, mostly of the word that is read or the one before or after it,
+    restarts and pauses. A marked word is undefined; any other is what was last written before it was read."""
     words, parts, bits, banks, start = [
         getattr(dut, name).value.to_unsigned() for name in ("Words", "Parts", "PartBits", "Banks", "Start")
     ]
