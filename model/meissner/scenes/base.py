@@ -80,4 +80,6 @@ def read(name: str, table: dict[str, Any], kind: type[K]) -> tuple[K, dict[str, 
     """(the file of scene ``name`` as a ``kind``, the fields of Scene in it); ValueError with one sentence."""
     keys = tables.read(kind, table, f"scene {name}")
     own = {key: getattr(keys, key) for key in ("title", "sensor", "rate_hz", "seeds") if hasattr(keys, key)}
+    kind = keys.world.__struct_config__.tag
+    own |= {"kind": kind} if kind else {}
     return keys, {"name": name, **own} | ({"adc_part": keys.adc} if isinstance(keys, SampledKeys) else {})

@@ -154,8 +154,7 @@ def build(name, table):
     keys, own = base.read(name, table, Keys)
     world = values(keys.world)
     conditions = tuple(world.pop("conditions"))
-    kind = type(keys.world).__struct_config__.tag
-    scene = Scene(**own, slip=keys.slip, kind=kind, world=world, conditions=conditions)
+    scene = Scene(**own, slip=keys.slip, world=world, conditions=conditions)
     with naming(f"scene {name}, [slip]"):
         scene.slip_config()
     return scene
