@@ -9,7 +9,6 @@ Input that the core cannot take raises ValueError, an argument of the wrong clas
 sentence. Floats are refused even if they are whole, since volts are a common mistake.
 """
 
-from numbers import Integral
 from typing import NamedTuple
 
 import numpy as np
@@ -149,7 +148,7 @@ class Slip:
     def __init__(self, config: SlipConfig | None = None, channels: int = 1) -> None:
         self.config = config = SlipConfig() if config is None else config
         _check_class("config", config, SlipConfig)
-        if not isinstance(channels, Integral):
+        if not isinstance(channels, int | np.integer):
             raise ValueError(f"channels = {channels} must be an integer")
         group = 1 << config.level
         self._haar = Haar(channels, config.level)

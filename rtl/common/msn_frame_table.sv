@@ -94,17 +94,15 @@ module msn_frame_table #(
           read                             <= memory[address];
           out_data_o[p*PartBits+low+:Bits] <= read;
         end
+`ifndef SYNTHESIS
+        // Reading a word in the clock in which it is written is undefined. This may happen to words that a restart
+        // discards; simulation returns a wrong value, so that tests detect the use of such a word.
+        // verilator coverage_off
+        if (advance_i && write_i[p] && address == write_address) read <= ~memory[address];
+        // verilator coverage_on
+`endif
       end
     end
   end
-
-  // A word that was read while a part of it was written is undefined: a restart may discard it, nobody may take it.
-  logic spoilt, waits_spoilt;  // the word that was read last; the one that waits
-  always_ff @(posedge clk_i) begin
-    if (advance_i) {waits_spoilt, spoilt} <= {spoilt, write_i != '0 && address == write_address};
-  end
-  msn_check u_taken_is_defined (
-    .clk_i, .rst_i(restart_i), .wrong_i(out_valid_o && advance_i && waits_spoilt)
-  );
 
 endmodule

@@ -33,9 +33,9 @@ module msn_tare #(
   input  logic                        clk_i,
   input  logic                        rst_i,
 
-  input  msn_registers_pkg::tare_cfg_t    cfg_i,      // contact and zero in codes, step in 2^-FractionBits codes
+  input  msn_registers_pkg::tare_cfg_t    cfg_i,      // step in 2^-FractionBits codes
   input  logic                            start_i,
-  output msn_registers_pkg::tare_status_t status_o,   // pressed: in the last undamaged frame; counts since reset
+  output msn_registers_pkg::tare_status_t status_o,   // pressed: in the last undamaged frame
 
   input  logic                        in_valid_i,
   output logic                        in_ready_o,

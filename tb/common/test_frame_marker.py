@@ -101,10 +101,6 @@ async def rows_end_where_they_end(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`frames_by_their_ends`",
-        "test": "tb/common/test_common_references.py::test_places_by_the_frames_ends",
-    },
     "equivalence": {"size": {"Rows": 3, "RowBeats": 3}},
 }
 

@@ -117,9 +117,7 @@ async def no_divider_sees_a_zero_denominator(dut):
             await bench.RisingEdge(dut.clk_i)
 
 
-EVIDENCE = {
-    "reference": {"against": "`Fraction`", "test": "tb/cop/test_cop_divide.py::test_model_against_fractions"},
-}
+EVIDENCE = {}
 
 
 @pytest.mark.parametrize(

@@ -361,7 +361,7 @@ BUILDS = {
 
 
 EVIDENCE = {
-    "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"defined": True, "boxes": True},
     "mutants": {"limit": 60, "unsolved": True},
     "faults": {"none": "the core behind msn_axil, both done alone"},
 }

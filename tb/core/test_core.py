@@ -743,7 +743,7 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"defined": True, "boxes": True},
     "mutants": {"sets": [0], "limit": 100, "unsolved": True},
     "faults": {
         "program": {"Uart": 0},

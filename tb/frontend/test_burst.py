@@ -106,10 +106,6 @@ async def a_reset_ends_the_burst(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "clocks `by_hand`",
-        "test": "tb/frontend/test_front_references.py::test_bursts_by_hand",
-    },
     "faults": {"settle": 2, "driver": {"frame": "start_i"}},
 }
 

@@ -73,10 +73,6 @@ async def writes_every_word_once_then_steps_aside(dut):
 
 # It runs once after a reset, so a fault can only damage the table.
 EVIDENCE = {
-    "reference": {
-        "against": "writes `by_hand`",
-        "test": "tb/frontend/test_front_references.py::test_a_preset_by_hand",
-    },
     "faults": {"driver": {"kept": "all"}},
 }
 

@@ -187,10 +187,8 @@ async def an_image_begins_as_the_reader_ends(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "taxels of the newest image"},
     "equivalence": {
         "size": {"Taxels": 9},
-        "open": ["reset"],
         "reset": {"since": {"read_data_o": "read_valid_o"}},
     },
     "faults": {

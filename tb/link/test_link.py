@@ -335,8 +335,7 @@ async def the_small_link_sends_an_event_alone(dut):
 
 
 EVIDENCE = {
-    "reference": {"joins": "packet, cobs, uart_tx, uart_rx, bridge"},
-    "equivalence": {"boxes": True, "yosys": "slang joins a port of msn_bridge otherwise", "open": ["reset"]},
+    "equivalence": {"boxes": True, "yosys": "slang joins a port of msn_bridge otherwise"},
     "faults": {
         "size": {"Uart": 0},
         "settle": 8,

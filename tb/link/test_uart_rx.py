@@ -89,10 +89,6 @@ async def recovers_after_reset(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`receive`",
-        "test": "tb/link/test_uart_rx.py::test_the_model_hears_what_the_loop_hears",
-    },
     "equivalence": {"reset": {"clocks": 3, "held": 3}},
     # The parameter sets with few clocks a bit.
     "mutants": {"sets": [1, 3]},

@@ -158,8 +158,7 @@ async def frames_of_a_scan_have_their_first_convert_start(dut):
 
 
 EVIDENCE = {
-    "reference": {"joins": "scan_adc or scan_demod, frame_gate, frame_marker, array_forces"},
-    "equivalence": {"size": {"Columns": 2}, "defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Columns": 2}, "defined": True, "boxes": True},
     "mutants": {"sets": [1], "limit": 60, "unsolved": True},
     "faults": {"size": {"Adc": 1}, "settle": 4, "kept_inside": {"u_calibrate": "calibrate"}},
 }

@@ -55,10 +55,6 @@ async def matches_model(dut, stall_rate):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`max` and `min` one by one",
-        "test": "tb/slip/test_sliding_extremes.py::test_model_against_brute_force",
-    },
     "equivalence": {
         "size": {"Channels": 3},
         "reset_size": {"Channels": 1, "Taps": 2},

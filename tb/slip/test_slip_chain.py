@@ -178,9 +178,7 @@ async def passes_on_the_decisions_about_a_centre_of_pressure(dut):
 PATH = {"Window": 16, "Hop": 8, "Level": 1}
 
 
-EVIDENCE = {
-    "reference": {"joins": "skid, slip_path, slip_flags"},
-}
+EVIDENCE = {}
 
 
 @pytest.mark.parametrize(

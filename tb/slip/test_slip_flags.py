@@ -67,10 +67,6 @@ def of_frames(decisions):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`of_frames`",
-        "test": "tb/slip/test_slip_flags.py::test_model_against_a_plain_loop",
-    },
     "faults": {"settle": 20, "driver": {"frame": "in_valid_i"}},
 }
 

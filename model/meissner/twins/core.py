@@ -113,7 +113,9 @@ def array_of(config):
 
 def hand_of(config, start=None):
     """Hand of a configuration with [grip] and, optionally, [shear_speed]."""
-    return Hand(config.channels, config.slip, config.stages["grip"], start, config.stages.get("shear_speed"))
+    return Hand(
+        config.channels, config.slip, config.features["grip"], start, config.features.get("shear_speed")
+    )
 
 
 def expected(config, codes):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meissner.twins.common.ratio import ratio
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, cop4_correct
@@ -69,14 +70,14 @@ class Cop4Registers:
 class Cop4(NamedTuple):
     """Results [n]: ``x``, ``y`` int32 Q2.14, ``load`` int64 LSBs, flags bool; bit 0 of ``open`` is E1."""
 
-    x: np.ndarray
-    y: np.ndarray
-    load: np.ndarray
-    pressed: np.ndarray
-    over: np.ndarray
-    saturated: np.ndarray
-    imbalance: np.ndarray
-    open: np.ndarray
+    x: NDArray[np.int32]
+    y: NDArray[np.int32]
+    load: NDArray[np.int64]
+    pressed: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    saturated: NDArray[np.bool_]
+    imbalance: NDArray[np.bool_]
+    open: NDArray[np.int64]
 
 
 def totals(samples, registers):

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meissner.twins.shared import Stream, fits, within
 
@@ -24,12 +25,12 @@ class CopSlipRegisters:
 class CopSlipResult(NamedTuple):
     """[n] each: ``slip``, ``raised``, ``over`` bool; ``dx``, ``dy`` Q2.14 over the lag; ``octant`` 0 .. 7."""
 
-    slip: np.ndarray
-    raised: np.ndarray
-    over: np.ndarray
-    dx: np.ndarray
-    dy: np.ndarray
-    octant: np.ndarray
+    slip: NDArray[np.bool_]
+    raised: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    dx: NDArray[np.int64] | NDArray[np.float64]  # of engine float with fractions
+    dy: NDArray[np.int64] | NDArray[np.float64]
+    octant: NDArray[np.int64]
 
 
 def octants(dx, dy):
