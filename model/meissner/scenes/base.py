@@ -1,12 +1,16 @@
 """What every sensor's scenes and recordings share: keys, their check, and what a recording models."""
 
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
+
+from msgspec import Meta
 
 from meissner import tables
 from meissner.physics.adc import PARTS, Adc
 from meissner.scenes.sensor import sensor, used
 from meissner.tables import Count, Table, one_of
+
+Event = Annotated[float, Meta(ge=0, le=0.9)]  # above 0.9, a slip of the rubber may have no event
 
 
 class Keys(Table):

@@ -16,8 +16,8 @@ from meissner.builds.slip_table import SlipOfScene
 from meissner.builds.units import of_scene
 from meissner.physics import plate, rubber
 from meissner.scenes import base
+from meissner.scenes.base import Event
 from meissner.scenes.rubber.recording import partial_slip
-from meissner.scenes.rubber.scene import Event
 from meissner.scenes.shear.published import SLOWEST_MM_S
 from meissner.tables import Positive, Share, Table, naming, one_of, values
 
