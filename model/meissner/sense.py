@@ -25,8 +25,7 @@ from meissner.inputs import (
 )
 from meissner.physics.cop4_config import Cop4Config
 from meissner.twins.cop import cop4 as cop4_twin
-from meissner.twins.cop.cop_accumulate import moments
-from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.cop.cop import cop_divide, moments
 from meissner.twins.frontend.calibrate import forces
 from meissner.twins.slip import slip as slip_twin
 from meissner.twins.slip.config import SlipConfig

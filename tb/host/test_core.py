@@ -26,8 +26,7 @@ from meissner.host.simulated import (
 )
 from meissner.twins.link import bridge, cobs
 from meissner.twins.link import packet as p
-from meissner.twins.link.uart_rx import UartRx
-from meissner.twins.link.uart_tx import levels
+from meissner.twins.link.uart import UartRx, levels
 from meissner.twins.slip.slip import State
 
 QUICK = {"timeout_s": 0.05, "retries": 1}

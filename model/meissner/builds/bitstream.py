@@ -1,19 +1,16 @@
 """From a board and a configuration to a bitstream: Yosys, nextpnr, the packer, and their reports.
 
-Each build works in its own folder, which replaces the previous one when it is complete, so concurrent or
-interrupted builds never leave a mixed folder. A build that fails leaves its logs in <folder>.failed.
+A build works in <folder>.part, which replaces the previous build's folder when it is complete. One that fails
+or is interrupted leaves its logs there.
 """
 
-import fcntl
 import json
 import math
 import re
 import shutil
-import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 from meissner.builds import boards
@@ -33,36 +30,13 @@ class TooLarge(ToolError):
 
 @contextmanager
 def private(name: str) -> Iterator[str]:
-    """A folder for one build, relative to ROOT; at the end it replaces ``OUT``/``name``."""
-    out = ROOT / OUT
-    out.mkdir(parents=True, exist_ok=True)
-    work = tempfile.mkdtemp(prefix=f"{name}.", suffix=".part", dir=out)
-    final, mine = out / name, out / work
-    mine.chmod(0o755)
-    try:
-        yield f"{OUT}/{mine.name}"
-    except ToolError as error:
-        failed = out / f"{name}.failed"
-        _replace(mine, failed)
-        words = [str(word).replace(mine.name, failed.name) for word in error.args]
-        error.args, error.tail = tuple(words), error.tail.replace(mine.name, failed.name)
-        raise
-    except BaseException:
-        shutil.rmtree(mine, ignore_errors=True)
-        raise
-    _replace(mine, final)
-    shutil.rmtree(out / f"{name}.failed", ignore_errors=True)
-
-
-def _replace(fresh: Path, final: Path) -> None:
-    """Replace the folder ``final`` by ``fresh``, one build at a time."""
-    with (final.parent / ".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        old = fresh.with_suffix(".old")
-        if final.exists():
-            final.rename(old)
-        fresh.rename(final)
-    shutil.rmtree(old, ignore_errors=True)
+    """A folder for one build, relative to ROOT; once the build is complete it replaces ``OUT``/``name``."""
+    final, part = ROOT / OUT / name, ROOT / OUT / f"{name}.part"
+    shutil.rmtree(part, ignore_errors=True)
+    part.mkdir(parents=True)
+    yield f"{OUT}/{part.name}"
+    shutil.rmtree(final, ignore_errors=True)
+    part.rename(final)
 
 
 def synthesise(board: Board, config: str, folder: str) -> "tuple[str, Counter[str]]":
@@ -237,13 +211,7 @@ def build(
 
 
 def _fitting(
-    board: Board,
-    config: str,
-    sizes: list[str | None],
-    stem: str,
-    clk_mhz: float,
-    seed: int,
-    limit_s: int,
+    board: Board, config: str, sizes: list[str | None], stem: str, clk_mhz: float, seed: int, limit_s: int
 ) -> Report:
     """nextpnr's report for the first device that the design fits; smaller ones are removed from ``sizes``."""
     while True:

@@ -106,8 +106,7 @@ class Config:
         """Twin of the scan, for an array."""
         adc = self._array_adc
         return ScanAdc(
-            *(*self.shape, adc.converters, self.part),
-            *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz),
+            *(*self.shape, adc.converters, self.part), *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz)
         )
 
     @cached_property

@@ -61,8 +61,7 @@ def windows(x: Ints, config: SlipConfig, count: int) -> Windows:
 
 def cop(forces: NDArray[np.uint16], min_load: int = 1) -> Arrays:
     """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""
-    from meissner.twins.cop.cop_accumulate import moments
-    from meissner.twins.cop.cop_divide import cop_divide
+    from meissner.twins.cop.cop import cop_divide, moments
 
     frames, rows, columns = forces.shape
     sums = np.empty((3, frames), dtype=np.int64)

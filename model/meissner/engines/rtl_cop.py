@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from meissner.arrays import Arrays, Ints
 from meissner.engines import verilated
 from meissner.engines.protocol import Waves
-from meissner.twins.cop.cop_accumulate import sum_bits
+from meissner.twins.cop.cop import sum_bits
 
 WIDE = 16  # from this many columns on, eight lanes simulate faster than one
 TRACE_CLK_KHZ = 100_000

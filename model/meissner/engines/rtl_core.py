@@ -12,7 +12,7 @@ from meissner.builds import boards
 from meissner.builds.build import Config, verilog
 from meissner.builds.keys import ArrayAdc
 from meissner.engines import verilated
-from meissner.twins.link.uart_tx import sixteenths
+from meissner.twins.link.uart import sixteenths
 
 CONVERSION_NS = 4000  # of a converter with BUSY
 PIECE = 2000  # clocks simulated per read of the line
