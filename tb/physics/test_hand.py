@@ -17,6 +17,7 @@ from meissner.physics.slide import Contacts, slide
 from meissner.physics.stepped import Fluctuation, Level, Ring, Ripple
 from meissner.scenes.hand import loop
 from meissner.scenes.hand import run as hand_run
+from meissner.twins.actuate import actuate
 from meissner.twins.actuate.grip import Grip, GripConfig
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.slip_path import decide
@@ -356,9 +357,9 @@ def test_a_verilated_core_holds_as_the_twins_do(name, number, changes):
 def test_a_core_that_differs_is_counted(monkeypatch):
     """The core's step is one count larger: its commands diverge, and so does the hand."""
     scene = short(seconds=1.5, step_mm=0.01)
-    right = loop.ActuateConfig
+    right = actuate.ActuateConfig
     monkeypatch.setattr(
-        loop, "ActuateConfig", lambda grip, *more: right(replace(grip, step=grip.step + 1), *more)
+        actuate, "ActuateConfig", lambda grip, *more: right(replace(grip, step=grip.step + 1), *more)
     )
     held = loop.hold(scene, scene.conditions[0], [1], hand_run.PARTS["rtl"])
     assert held.tightenings[0] > 0 and held.mismatches[0] > 0
