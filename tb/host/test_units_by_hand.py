@@ -328,18 +328,19 @@ def test_four_electrodes():
 
 
 def test_the_word_of_the_reset_values_has_each_at_its_place():
-    """docs/registers.md: core.scratch has 32 bits, adc.enable one, adc.period 24; slip.threshold follows."""
+    """docs/registers.md: core.scratch has 32 bits, core.hold and adc.enable one, adc.period 24; slip
+    follows."""
     word, at = of(CHANNELS).parameters["Resets"], 0
     found = {}
     for group, register, field in settings():
         found[f"{group.name}.{register.name}.{field.name}"] = word >> at & (1 << field.width) - 1
         at += field.width
     assert at == RESET_BITS and word >> at == 0
-    assert word >> 32 & 1 == 1 and word >> 33 & 0xFF_FFFF == 1824 and word >> 57 & 0xF_FFFF == 30
+    assert word >> 32 & 3 == 2 and word >> 34 & 0xFF_FFFF == 1824 and word >> 58 & 0xF_FFFF == 30
     assert found["slip.release_level.value"] == 7491 and found["slip.blank.value"] == 122
     below = of(CHANNELS | {"slip": CHANNELS["slip"] | {"contact_level_v": -0.01}}).parameters["Resets"]
-    # 2 · -10 / 0.8056640625 = -24.82, in 20 bits of two's complement, after 57 + 2·20 bits.
-    assert below >> 97 & 0xF_FFFF == (1 << 20) - 25
+    # 2 · -10 / 0.8056640625 = -24.82, in 20 bits of two's complement, after 58 + 2·20 bits.
+    assert below >> 98 & 0xF_FFFF == (1 << 20) - 25
     assert verilog({"Resets": 10, "Rows": 3}) == {"Resets": f"{RESET_BITS}'ha", "Rows": "3"}
 
 
