@@ -69,7 +69,7 @@ test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes
 test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can run them (tb/harness/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link tb/actuate
 
-extremes: $(SIM)  ## print the worst error of every block and solver at the ends of its range, and its bound [BLOCKS="haar slip"]
+extremes: $(SIM)  ## print the worst error of each row of tb/extremes at the ends of its range, and its bound [BLOCKS="exp2 tare"]
 	@PYTHONPATH=tb $(BIN)/python -m extremes --jobs $(JOBS) $(BLOCKS)
 
 lint: $(SIM)  ## run Verilator -Wall and slang on every module as its own top, Verible, ruff

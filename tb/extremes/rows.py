@@ -16,7 +16,6 @@ import importlib
 import math
 import random
 import re
-import subprocess
 import sys
 import warnings
 from concurrent.futures import ProcessPoolExecutor
@@ -31,7 +30,6 @@ import numpy as np
 from extremes.pairs import covering
 from meissner.builds import toolchain
 
-EXAMPLES = {False: 40, True: 2000}  # hypothesis examples, short and long form
 WIDEST = 110  # characters shown of a place
 
 
@@ -107,12 +105,10 @@ class See:
     long: bool = False
     seed: int = 1
     cases: int = 0
-    pairs: int = 0
     worst: dict = field(default_factory=dict)
 
     def __post_init__(self):
         self.random = random.Random(self.seed)
-        self.numpy = np.random.default_rng(self.seed)
 
     def near(self, got, exact, where, part="", limit=None):
         """``got`` must lie within the bound (or ``limit``) of the ``exact`` number."""
@@ -140,13 +136,6 @@ class See:
             low = False  # near reports the error
         self.near(got, exact, where, part, below if low else above)
 
-    def all_near(self, gots, exacts, wheres, part="", limit=None):
-        gots, exacts = list(gots), list(exacts)
-        if not len(gots) == len(exacts) == len(wheres) or not gots:
-            raise Outside(f"{len(gots)} results for {len(exacts)} exact numbers, of {len(wheres)} cases")
-        for got, exact, where in zip(gots, exacts, wheres):
-            self.near(got, exact, where, part, limit)
-
     def same(self, got, wanted, where, part=""):
         """Numbers, words or lists must be equal."""
         self.cases += 1
@@ -164,36 +153,6 @@ class See:
             return
         raise Outside(f"{getattr(call, '__name__', call)}({given}, {named}) was not refused")
 
-    def given(self, check, **strategies):
-        """Run ``check`` with arguments drawn by hypothesis; the smallest failing ones are reported."""
-        from hypothesis import HealthCheck, Phase, Verbosity, given, seed, settings
-
-        phases = (Phase.explicit, Phase.generate, Phase.target, Phase.shrink)
-        drawn = settings(
-            max_examples=EXAMPLES[self.long],
-            database=None,
-            deadline=None,
-            phases=phases,
-            verbosity=Verbosity.quiet,
-            suppress_health_check=list(HealthCheck),
-        )
-        seed(self.seed)(drawn(given(**strategies)(check)))()
-
-    def elaborates(self, block, sizes):
-        """In the long form, Verilator reads the RTL in each of ``sizes`` {parameter: value} without a
-        warning, except for unused bits: no width is wrong, and no size is refused that the twin accepts."""
-        if not self.long or not toolchain.sources_of(f"msn_{block}"):
-            return
-        base = ["verilator", "--lint-only", "--quiet", "-Wall", "-Wno-UNUSED"]
-        base += [str(toolchain.ROOT / "rtl/verilator.vlt")]
-        base += [*map(str, toolchain.sources_of(f"msn_{block}")), "--top-module", f"msn_{block}"]
-        for size in sizes:
-            command = [*base, *(f"-G{name}={int(value)}" for name, value in size.items())]
-            done = subprocess.run(command, env=toolchain.environment(), capture_output=True, text=True)
-            self.cases += 1
-            if done.returncode or done.stderr.strip():
-                raise Outside(f"msn_{block} with {size}: {(done.stdout + done.stderr).strip()[:300]}")
-
     def some(self, cases, step):
         """All cases; in the short form every ``step``-th."""
         return cases if self.long else list(cases)[::step]
@@ -203,7 +162,6 @@ class See:
         found = covering(axes, allowed, self.seed)
         if not found:
             raise Outside("no combination of the parameters is allowed")
-        self.pairs += len(found)
         return found
 
 
