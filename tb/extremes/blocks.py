@@ -39,7 +39,7 @@ def exp2_(see):
             limits = value * below + HALF, value * above + HALF
             see.between(number, min(value, mpmath.mpf(top)), *limits, place)
             see.same(number <= top, True, place)
-            if y % whole == 0:
+            if y % whole == 0 and power > -80:
                 see.near(number, min(exact.half_up(Fraction(2) ** int(power)), top), place, limit=0)
 
 

@@ -9,10 +9,6 @@ from meissner.physics.mesh import Mesh, correction
 from meissner.physics.mesh.cut import CutMesh
 from reference import network
 
-MESH = [
-    f"model/meissner/physics/mesh/{name}.py"
-    for name in ("mesh", "solution", "green", "groups", "circuit", "contacts", "spread_out", "constants")
-]
 DOUBLE = np.finfo(float).eps
 
 

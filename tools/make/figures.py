@@ -333,7 +333,7 @@ SECTIONS = {
     "extremes": Section(
         "Extremes",
         printed("make", "--no-print-directory", "extremes"),
-        "`make extremes`: the worst error of every block and solver at the ends of its range, and its bound",
+        "`make extremes`: the worst error of each row of tb/extremes at the ends of its range, and its bound",
     ),
 }
 
