@@ -35,7 +35,8 @@ def exp2_(see):
             if power > out + 1:
                 see.near(number, top, place, limit=0)
                 continue
-            value = mpmath.power(2, mpmath.mpf(power.numerator) / power.denominator)
+            exponent = mpmath.mpf(power.numerator) / power.denominator
+            value = mpmath.power(2, exponent) if power > -80 else mpmath.mpf(0)
             limits = value * below + HALF, value * above + HALF
             see.between(number, min(value, mpmath.mpf(top)), *limits, place)
             see.same(number <= top, True, place)

@@ -2,11 +2,10 @@
 
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 
 from extremes.rows import row
-from meissner.physics import capacitive, dielectric, fsr
+from meissner.physics import fsr
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_registers import cop4_registers
 from meissner.physics.mesh import Mesh
@@ -103,78 +102,3 @@ def fsr_(see):
                 see.near(
                     got[driven, j] / 4, wanted[j] / 4, lambda: f"{one}, row {driven}, column {j}", limit=room
                 )
-
-
-@row("capacitive", {"a tab's height": "1e-12", "the voltage": "1e-12"})
-def capacitive_(see):
-    for force in (0.0, 5e-324, 1e-300, 1e-12, 1e-3, 1.0, 1.4709975, 10.0, 1e3, 1e6):
-        for tab in see.some((0.25, 0.75, 1e-3), 2):
-            for stiffness in see.some((0.1, 1.0, 10.0), 2):
-                shape = mpmath.mpf(capacitive.TAB_DIAMETER_MM) / (4 * mpmath.mpf(tab))
-                modulus = mpmath.mpf(capacitive.MODULUS_MPA) * (1 + 2 * shape**2)
-                area = mpmath.pi / 4 * mpmath.mpf(capacitive.TAB_DIAMETER_MM) ** 2
-                q = 3 * mpmath.mpf(force) / (area * modulus * mpmath.mpf(stiffness))
-                u = mpmath.mpf(1)
-                for _ in range(60):
-                    u -= (u**3 + q * u**2 - 1) / (3 * u**2 + 2 * q * u)
-                got = capacitive.tab_height(force, stiffness, tab)
-                see.near(float(got) / u, 1, (force, tab, stiffness), "a tab's height")
-                b = mpmath.mpf(capacitive.BACKING_MM)
-                rise = (b + mpmath.mpf(tab)) / (b + mpmath.mpf(tab) * u)
-                see.near(
-                    float(capacitive.capacitance_ratio(force, stiffness, tab)) / rise,
-                    1,
-                    (force, tab, "C"),
-                    "a tab's height",
-                )
-    for one in see.covering(
-        cell=[1e-18, 1e-12, 1e-6],
-        others=[0.0, 1e-12, 1e-6],
-        gain=[1e-6, 1.0, 200.0, 1e9, 200j, -1e6j],
-        cell_ohm=[1.0, 1e7, np.inf],
-        input_ohm=[1.0, 1e12, np.inf],
-        hertz=[1e-3, 2e5, 1e9],
-    ):
-        w, ref = 2j * mpmath.pi * one["hertz"], mpmath.mpf(capacitive.REF_F)
-        leak = [
-            mpmath.mpf(0) if np.isinf(one[name]) else 1 / mpmath.mpf(one[name])
-            for name in ("cell_ohm", "input_ohm")
-        ]
-        cell = w * mpmath.mpf(one["cell"]) + leak[0]
-        rest = w * (mpmath.mpf(one["others"]) + ref) + leak[1]
-        gain = mpmath.mpc(one["gain"])
-        wanted = abs(10 * gain * cell / (gain * w * ref + cell + rest))
-        got = capacitive.output_v(
-            one["cell"],
-            one["others"],
-            one["gain"],
-            hertz=one["hertz"],
-            cell_ohm=one["cell_ohm"],
-            input_ohm=one["input_ohm"],
-        )
-        see.near(float(got) / wanted, 1, one, "the voltage")
-
-
-@row("dielectric", {"": "1e-9"})
-def dielectric_(see):
-    """Forces converted there and back: the inverse of the tab's law, and the published cases of a flat
-    sheet."""
-    for tab in (0.25, 0.75):
-        for grams in (1e-3, 0.1, 1.0, 100.0, 150.0, 1e4, 1e6):
-            share = float(dielectric.rise(grams, tab))
-            # The inverse magnifies the error: digits of u are lost as 1 - u.
-            see.near(
-                float(dielectric.force_for(share, tab)) / grams,
-                1,
-                (tab, grams),
-                limit=Fraction(1, 10**9) if grams > 0.5 else Fraction(1, 10**6),
-            )
-        see.same(np.isinf(dielectric.force_for(1 + tab / 0.25, tab)).item(), True, (tab, "beyond any force"))
-    for stress in (0.0, 1e-6, 1.0, 1e6):
-        see.near(dielectric.strain_confined(stress, 0.5, 1.0), 0, (stress, "keeps its volume"))
-        see.near(dielectric.strain_free(stress, 2.0), Fraction(stress) / 2, stress)
-        see.near(dielectric.lateral_stress(stress, 0.5), Fraction(stress), stress)
-    for ohm in (1e-3, 1.0, 1e5, 1e12, np.inf):
-        leak = mpmath.mpf(0) if np.isinf(ohm) else 1 / (2 * mpmath.pi * 200_000 * mpmath.mpf(ohm))
-        wanted = 10 * mpmath.sqrt(mpmath.mpf(capacitive.CELL_F) ** 2 + leak**2) / mpmath.mpf(capacitive.REF_F)
-        see.near(float(dielectric.leaking_v(10.0, 2e5, ohm)) / wanted, 1, ohm)
