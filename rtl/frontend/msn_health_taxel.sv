@@ -68,8 +68,12 @@ module msn_health_taxel #(
   logic        [SampleBits-1:0] raw_2, raw_3, held_2, held_3;
   logic                         over_2, over_3, alone_1, alone_2, alone_3;
   logic        [2:0]            proof_2, proof_3;
-  msn_compare #(.Width(SampleBits)) u_low  (.a_i(raw_i), .b_i(SampleBits'(signed'(cfg_i.low))), .greater_o(low));
-  msn_compare #(.Width(SampleBits)) u_high (.a_i(SampleBits'(signed'(cfg_i.high))), .b_i(raw_i), .greater_o(high));
+  msn_compare #(.Width(SampleBits)) u_low (
+    .a_i(raw_i), .b_i(SampleBits'(signed'(cfg_i.low))), .greater_o(low)
+  );
+  msn_compare #(.Width(SampleBits)) u_high (
+    .a_i(SampleBits'(signed'(cfg_i.high))), .b_i(raw_i), .greater_o(high)
+  );
 
   // 3: does the difference exceed the band, the jump?
   logic above, below, far_above, far_below, moved, jump, rises;

@@ -3,7 +3,7 @@
 import cocotb
 
 import bench
-from common.test_check import begin, spoil
+from common.test_check import begin
 
 
 @bench.applies(lambda dut: hasattr(dut, "wrong_i"))
@@ -12,9 +12,3 @@ async def stops_here_broken(dut):
     await begin(dut, "rst_i")
     dut.wrong_i.value = 1
     await bench.clocks(dut, 2)
-
-
-@bench.applies(lambda dut: hasattr(dut, "restart_i"))
-@cocotb.test(timeout_time=1, timeout_unit="ms", stage=1)
-async def stops_here_when_it_is_taken(dut):
-    await spoil(dut, discard=False)

@@ -25,10 +25,6 @@ async def matches_model(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "the numbers' `digits`",
-        "test": "tb/common/test_common_references.py::test_compare_by_digits",
-    },
     "equivalence": {"size": {"Width": 18}},
     "faults": {"none": "no state"},
 }

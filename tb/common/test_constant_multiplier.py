@@ -23,10 +23,6 @@ async def matches_model(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`shifted_sum`",
-        "test": "tb/common/test_common_references.py::test_products_by_shifts_and_sums",
-    },
     "equivalence": {"size": {"Constant": 1023}},
     "faults": {"none": "no state"},
 }

@@ -32,7 +32,6 @@ async def matches_model(dut, gap_rate):
 
 
 EVIDENCE = {
-    "reference": {"moves": "words by a number of steps"},
     "equivalence": {"size": {"Depth": 7}, "reset": {"ties": {"step_i": 1}, "clocks": 9}},
     "faults": {"settle": 12, "driver": {"frame": "step_i"}},
 }

@@ -103,7 +103,6 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
-    "reference": {"against": "`Fraction`", "test": "tb/common/test_divide.py::test_model_against_fractions"},
     "mutants": {"whole": True},
 }
 

@@ -90,10 +90,6 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "NumPy's `exp2`, at every number",
-        "test": "tb/common/test_exp2.py::test_every_number_within_the_bound",
-    },
     "equivalence": {
         "size": {"WholeBits": 4, "TableBits": 3, "FractionBits": 7, "OutBits": 9, "OutFraction": 5}
     },

@@ -111,7 +111,6 @@ async def exactly_full_and_empty_for_longer_than_it_is_deep(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "words in their order"},
     "equivalence": {"size": {"Depth": 16}},
     "faults": {"settle": 24},
 }

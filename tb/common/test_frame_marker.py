@@ -8,7 +8,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.common.frame_marker import FrameMarker
+from meissner.twins.common.frames import FrameMarker
 
 
 def damaged_beats(beats, frames, rate, seed):
@@ -101,10 +101,6 @@ async def rows_end_where_they_end(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`frames_by_their_ends`",
-        "test": "tb/common/test_common_references.py::test_places_by_the_frames_ends",
-    },
     "equivalence": {"size": {"Rows": 3, "RowBeats": 3}},
 }
 

@@ -10,7 +10,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.common.frame_owed import FrameOwed
+from meissner.twins.common.frames import FrameOwed
 
 IDLE = (0, 1, 0, 0, 1)  # taken, first, done (bits), drop, quiet
 
@@ -109,12 +109,7 @@ async def matches_model(dut):
     assert not twin.next(0, 1, [0] * results, 0, 1)
 
 
-EVIDENCE = {
-    "reference": {
-        "against": "clocks by hand, `OWED`",
-        "test": "tb/common/test_common_references.py::test_owed_results_by_hand",
-    },
-}
+EVIDENCE = {}
 
 SPACE = lambda draw: {"Results": draw.randint(1, 3), "QuietBits": draw.randint(2, 6)}
 

@@ -98,9 +98,7 @@ async def forgets_what_a_reset_interrupts(dut):
         assert got == expected_of(pairs, exact)
 
 
-EVIDENCE = {
-    "reference": {"against": "`isqrt`", "test": "tb/common/test_hypot.py::test_model_against_integer_root"},
-}
+EVIDENCE = {}
 
 SPACE = lambda draw: {"Bits": draw.randint(1, 18), "Exact": draw.randint(0, 1)}
 

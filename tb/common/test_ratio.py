@@ -100,9 +100,7 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(pairs), FIELDS) == expected_of(1, pairs, fraction_bits)
 
 
-EVIDENCE = {
-    "reference": {"against": "`Fraction`", "test": "tb/common/test_ratio.py::test_model_against_fractions"},
-}
+EVIDENCE = {}
 
 SPACE = lambda draw: {
     "ScaleBits": draw.randint(2, 17),

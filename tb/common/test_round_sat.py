@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.common.round_sat import round_sat
+from meissner.twins.common.arithmetic import round_sat
 
 SIZES = [
     (24, 16, 8, 0),
@@ -57,10 +57,6 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Fraction`",
-        "test": "tb/common/test_round_sat.py::test_model_against_fractions",
-    },
     "mutants": {"whole": True},
 }
 

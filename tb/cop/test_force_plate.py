@@ -13,7 +13,7 @@ import pytest
 
 import bench
 from meissner.twins.common.divide import divide
-from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.cop.cop import cop_divide
 from published.recordings import find
 
 NAMES = ("eyesOpen_1", "eyesClosed_1")

@@ -105,7 +105,7 @@ module formal_registers #(
     if ((written & Waiting) != '0) waits <= 1'b1;
     if (rst_i) waits <= 1'b0;
   end
-  always_comb if (started) assert (pending_o == (waits && !cfg_o.core.hold));
+  always_comb if (started) assert (dut.pending == waits && pending_o == (waits && !cfg_o.core.hold));
 
   msn_registers #(
     .Adc(Adc), .Slip(Slip), .Scan(Scan), .Health(Health), .Tare(Tare), .Calibrate(Calibrate), .Cop(Cop),

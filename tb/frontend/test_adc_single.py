@@ -165,12 +165,7 @@ async def recovers_after_reset_in_mid_frame(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`CODES` by hand",
-        "test": "tb/frontend/test_front_references.py::test_samples_by_hand",
-    },
     "equivalence": {
-        "open": ["reset"],
         "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}},
     },
     "faults": {"settle": 3, "driver": {"free": 12000, "part": 1}},

@@ -766,10 +766,6 @@ BUILDS = [
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`CODES` by hand",
-        "test": "tb/frontend/test_front_references.py::test_samples_by_hand",
-    },
     "equivalence": {
         "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o"}, "joined": (("state_q", "!convert_o"),)}
     },

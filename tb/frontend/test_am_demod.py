@@ -196,11 +196,6 @@ async def recovers_after_reset(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Fraction`",
-        "test": "tb/frontend/test_am_demod.py::test_sums_are_exact_and_rounded_once",
-    },
-    "equivalence": {"open": ["reset"]},
     "faults": {"settle": 3, "driver": {"frame": "in_start_i"}},
 }
 

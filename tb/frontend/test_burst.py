@@ -10,7 +10,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.frontend.burst import samples, triggers
+from meissner.twins.frontend.timing import samples, triggers
 
 
 async def watch(dut, starts, end, taken=(), lost=()):
@@ -106,10 +106,6 @@ async def a_reset_ends_the_burst(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "clocks `by_hand`",
-        "test": "tb/frontend/test_front_references.py::test_bursts_by_hand",
-    },
     "faults": {"settle": 2, "driver": {"frame": "start_i"}},
 }
 

@@ -254,11 +254,7 @@ async def clocks_are_as_stated_and_frames_never_wait(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Fraction`",
-        "test": "tb/frontend/test_calibrate.py::test_model_against_fractions",
-    },
-    "equivalence": {"size": {"Rows": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Rows": 3}, "defined": True, "boxes": True},
     "mutants": {"sets": [1, 5]},
     "faults": {
         "size": {"Rows": 3},

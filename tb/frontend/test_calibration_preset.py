@@ -9,7 +9,7 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.twins.frontend.calibration_preset import preset
+from meissner.twins.frontend.calibrate import preset
 
 KIND = "calibrate_cfg"
 
@@ -73,10 +73,6 @@ async def writes_every_word_once_then_steps_aside(dut):
 
 # It runs once after a reset, so a fault can only damage the table.
 EVIDENCE = {
-    "reference": {
-        "against": "writes `by_hand`",
-        "test": "tb/frontend/test_front_references.py::test_a_preset_by_hand",
-    },
     "faults": {"driver": {"kept": "all"}},
 }
 

@@ -349,11 +349,7 @@ async def clocks_are_as_stated(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`HealthReference`",
-        "test": "tb/frontend/test_health_reference.py::test_the_twin_is_the_loop_s",
-    },
-    "equivalence": {"size": {"Columns": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Columns": 3}, "defined": True, "boxes": True},
     "faults": {
         "size": {"Rows": 3, "Columns": 3},
         "settle": 40,

@@ -430,12 +430,10 @@ SIZES = [
 
 
 EVIDENCE = {
-    "reference": {"joins": "scan_plan, scan_buffer"},
     "equivalence": {
         "size": {"Rows": 3},
         "defined": True,
         "boxes": True,
-        "open": ["reset"],
         "reset": {"since": {"group_o": "trigger_o"}},
     },
     "faults": {"inside": ["scan_adc", "u_scan."]},

@@ -254,8 +254,7 @@ CASES = [
 
 
 EVIDENCE = {
-    "reference": {"joins": "scan, burst, am_demod; likewise"},
-    "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"defined": True, "boxes": True},
     "faults": {
         "program": {"ClkKhz": 32000, "SamplePeriod": 100},
         "settle": 2,

@@ -301,14 +301,9 @@ BUILDS = [
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "places from columns; rows and clocks `by_hand`",
-        "test": "tb/frontend/test_front_references.py::test_a_scan_by_hand",
-    },
     "equivalence": {
         "size": {"Rows": 5},
         "defined": True,
-        "open": ["reset"],
         "reset": {"since": {"done_*": "trigger_o"}},
     },
     "faults": {"inside": ["scan_adc", "u_plan."]},

@@ -507,10 +507,6 @@ async def forgets_what_a_reset_or_a_restart_interrupts(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "a loop in volts, `by_loop`, written from docs/shear_speed.md",
-        "test": "tb/slip/test_shear_speed.py::test_model_against_a_loop_in_volts",
-    },
     "equivalence": {
         "boxes": True,
         "size": {

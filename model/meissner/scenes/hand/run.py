@@ -121,7 +121,6 @@ def run(scene, engine, seed, waves, progress):
 
 
 def tell(summary):
-    """The lines to print of a summary."""
     first, last = summary["seeds"]
     lines = [
         f"{summary['runs']} runs, seeds {first} to {last} of each condition",
