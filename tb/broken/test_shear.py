@@ -224,7 +224,7 @@ def test_a_dead_channel_has_no_step(name, score, monkeypatch):
 def test_nothing_is_fitted_to_a_dead_channel(score, monkeypatch):
     """It is refused with one sentence, and no constants are given."""
     converter(monkeypatch, lambda codes: np.full_like(codes, 1638))
-    with pytest.raises(ValueError, match="step_v = 0 V must be above 0: Vc rises"):
+    with pytest.raises(ValueError, match="step_v"):
         score(few(SPEED))
 
 
