@@ -17,7 +17,7 @@ METRICS = {"position_error", "load_error", "below_min_load", "over_range", "fram
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory):
+def unbroken(tmp_path_factory):
     return run.run(SCENE, "fixed", tmp_path_factory.mktemp("sound"))
 
 

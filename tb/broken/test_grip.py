@@ -29,7 +29,7 @@ def score(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory):
+def unbroken(tmp_path_factory):
     return run.run(SCENE, "fixed", tmp_path_factory.mktemp("sound"), seed=1)
 
 

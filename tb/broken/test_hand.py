@@ -30,7 +30,7 @@ def few(name="grip_pour", grip=None, slip=None, **changes):
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory):
+def unbroken(tmp_path_factory):
     """The summaries of the unbroken hand."""
     names = ("grip_pour", "grip_release")
     return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in names}

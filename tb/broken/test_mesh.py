@@ -20,7 +20,7 @@ OF = {
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory):
+def unbroken(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sound")
     return {name: run.run(scenes.load(name), "fixed", folder / name) for name in NAMES}
 

@@ -25,7 +25,7 @@ def few(name, **changes):
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory):
+def unbroken(tmp_path_factory):
     """The summaries of the unbroken sensor and core."""
     return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in (SLIPS, PRESSES)}
 
@@ -173,3 +173,11 @@ def test_less_friction_shortens_the_warning(sound, tmp_path, monkeypatch):
     found = run(few(SLIPS), "fixed", tmp_path)
     ratio = row(found)["lead_ms_median"] / row(sound[SLIPS])["lead_ms_median"]
     assert ratio == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_later_pull_moves_the_truth(sound, tmp_path):
+    scene = few(SLIPS)
+    later = replace(scene, world=scene.world | {"stage_start_s": scene.world["stage_start_s"] + 0.25})
+    found = run(later, "fixed", tmp_path)
+    for key in ("onset_s", "gross_s"):
+        assert found[key] == pytest.approx(sound[SLIPS][key] + 0.25, abs=1e-6)

@@ -37,6 +37,7 @@ def test_products_by_shifts_and_sums():
         assert constant_multiplier(values, factor).tolist() == [
             shifted_sum(value, factor) for value in values
         ]
+        assert constant_multiplier(2**47 - 1, factor) == shifted_sum(2**47 - 1, factor)
         assert multiply(values, factor).tolist() == [shifted_sum(value, factor) for value in values]
 
 

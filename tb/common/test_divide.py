@@ -130,7 +130,7 @@ def test_divide(den_bits, fraction_bits, bits_per_clock):
 @pytest.mark.parametrize("fraction_bits", [1, 4, 5, 14, 20, 30])
 def test_model_against_fractions(fraction_bits):
     pairs = [(num, den) for den in range(1, 65) for num in range(-den, den + 1)]
-    for den_bits in (8, 20, 34, 46):
+    for den_bits in (8, 20, 34, 46, 62):
         pairs += cases(np.random.default_rng(fraction_bits), den_bits, fraction_bits, 1000)
     expected = [nearest(Fraction(num, den) * (1 << fraction_bits)) for num, den in pairs]
     assert divide(*zip(*pairs), fraction_bits).tolist() == expected

@@ -32,6 +32,7 @@ def cases(rng, bits, count):
     for scale in (1, 2, top // 21, top // 4):
         for a, b in ((3, 4), (20, 21), (5, 12), (8, 15)):
             pairs += [(a * scale, b * scale), (a * scale - 1, b * scale), (b * scale, a * scale - 1)]
+    pairs += [(2 * k * k, 2 * k) for k in (1, 2, 100, *range(23_130, 23_171))]  # a square less one
     pairs += [(1 << k, 1 << j) for k in range(bits) for j in (0, k // 2, k)]
     near = range(max(top - 15, 0), top + 1)  # to find the greatest remainder before the last digit
     pairs.append(max(((a, b) for a in near for b in near), key=last_rest))

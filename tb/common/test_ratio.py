@@ -121,7 +121,9 @@ def test_ratio(scale_bits, num_bits, den_bits, fraction_bits, per_clock):
     bench.run("common", "ratio", sizes | {"FractionBits": fraction_bits, "BitsPerClock": per_clock})
 
 
-@pytest.mark.parametrize("scale_bits, num_bits, den_bits, fraction_bits", [(17, 18, 34, 14), (5, 4, 4, 4)])
+@pytest.mark.parametrize(
+    "scale_bits, num_bits, den_bits, fraction_bits", [(17, 18, 34, 14), (5, 4, 4, 4), (32, 32, 62, 30)]
+)
 def test_model_against_fractions(scale_bits, num_bits, den_bits, fraction_bits):
     one = 1 << fraction_bits
     for scale in scales(scale_bits):

@@ -68,7 +68,7 @@ def test_round_sat(in_width, out_width, drop_bits, unsigned):
     bench.run("common", "round_sat", size)
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", [*SIZES, (2, 1, 1, 0), (63, 62, 1, 0), (63, 1, 61, 1)])
 def test_model_against_fractions(size):
     _, out_width, drop_bits, unsigned = size
     low, high = (0, (1 << out_width) - 1) if unsigned else bench.width(out_width)

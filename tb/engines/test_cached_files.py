@@ -94,4 +94,4 @@ def test_without_a_compiler_there_is_one_sentence(builds, monkeypatch, capsys):
         cli.main(["live", "core:slip1", "--seconds", "1"])
     out, err = capsys.readouterr()
     assert end.value.code == 2 and not out and not builds
-    assert err == "meissner: g++ not found: the core is compiled with g++ and make (apt install g++)\n"
+    assert err.startswith("meissner: g++ ") and err.count("\n") == 1

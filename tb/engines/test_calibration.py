@@ -154,7 +154,7 @@ def test_dead_cells():
 def test_an_offset_beyond_the_samples_is_refused():
     force_n = np.array([100.0, 120, 140])[:, None, None] * np.ones((1, 2))
     codes = np.rint(4000 * (force_n - 100)).astype(int) // 10
-    with pytest.raises(ValueError, match=r"no force|outside the codes' range|\(0, 0\)"):
+    with pytest.raises(ValueError, match=r"\(0, 0\)"):
         fit(codes * 5 - 60000, force_n)
 
 
