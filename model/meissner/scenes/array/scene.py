@@ -172,7 +172,6 @@ def build(name, table):
         **own,
         **values(keys.array),
         converter=keys.converter,
-        kind=type(keys.world).__struct_config__.tag,
         world=world,
     )
 

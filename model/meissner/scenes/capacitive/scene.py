@@ -186,7 +186,6 @@ def build(name, table):
         readout=readout,
         carrier=carrier,
         adc=Adc(readout["bits"], -full_v, full_v, readout["noise_v"]),
-        kind=type(keys.world).__struct_config__.tag,
         world=values(keys.world),
     )
 

@@ -1,6 +1,6 @@
 """Scenes of a matrix of force-sensing resistors: forces, network, faults, and the ground truth."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -239,9 +239,7 @@ def simulate(scene, seed=0):
     readings = {}
     for circuit in fsr.CIRCUITS:
         for unselected in fsr.UNSELECTED:
-            readout = fsr.Readout(
-                circuit, unselected, scene.readout.supply_v, scene.readout.driver_ohm, scene.readout.load_ohm
-            )
+            readout = replace(scene.readout, circuit=circuit, unselected=unselected)
             readings[circuit, unselected] = fsr.output_volts(siemens[shown], readout)
     return Recording(
         scene=scene,

@@ -13,7 +13,7 @@ from meissner.physics.rubber import SUPPLY_V
 from meissner.physics.slide import G_MM_S2
 from meissner.physics.stepped import HEAL_S
 from meissner.scenes import base
-from meissner.scenes.rubber.scene import Event
+from meissner.scenes.base import Event
 from meissner.tables import Positive, Share, Table, naming, one_of, values
 from meissner.twins.actuate.grip import BOOST_BITS, TOP, GripConfig
 from meissner.twins.slip.config import SlipConfig

@@ -153,7 +153,6 @@ def build(name, table):
         columns=mesh.columns,
         r_ohm=tuple(mesh.r_ohm),
         configs=tuple(configs),
-        kind=type(keys.world).__struct_config__.tag,
         world=world,
     )
 

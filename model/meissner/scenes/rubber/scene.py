@@ -13,6 +13,7 @@ from meissner.builds.slip_table import SlipOfScene
 from meissner.builds.units import of_scene
 from meissner.physics import plate, rubber
 from meissner.scenes import base
+from meissner.scenes.base import Event
 from meissner.scenes.rubber import recording
 from meissner.scenes.rubber.recording import COMPONENTS, WHY, Recording, simulate
 from meissner.tables import Positive, Table, naming, one_of, values
@@ -22,7 +23,6 @@ __all__ = ["COMPONENTS", "WHY", "Recording", "Scene", "build", "simulate"]
 
 FEATURES = {"slip": "its flag is judged against the truth"}
 _BYTES = 400  # per sample: times, volts, forces, details, decisions, as int64 and double
-Event = Annotated[float, Meta(ge=0, le=0.9)]  # above 0.9, a slip may have no event
 Burst = Annotated[float, Meta(ge=1, le=50)]
 
 
@@ -154,8 +154,7 @@ def build(name, table):
     keys, own = base.read(name, table, Keys)
     world = values(keys.world)
     conditions = tuple(world.pop("conditions"))
-    kind = type(keys.world).__struct_config__.tag
-    scene = Scene(**own, slip=keys.slip, kind=kind, world=world, conditions=conditions)
+    scene = Scene(**own, slip=keys.slip, world=world, conditions=conditions)
     with naming(f"scene {name}, [slip]"):
         scene.slip_config()
     return scene

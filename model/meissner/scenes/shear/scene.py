@@ -16,8 +16,8 @@ from meissner.builds.slip_table import SlipOfScene
 from meissner.builds.units import of_scene
 from meissner.physics import plate, rubber
 from meissner.scenes import base
+from meissner.scenes.base import Event
 from meissner.scenes.rubber.recording import partial_slip
-from meissner.scenes.rubber.scene import Event
 from meissner.scenes.shear.published import SLOWEST_MM_S
 from meissner.tables import Positive, Share, Table, naming, one_of, values
 
@@ -199,11 +199,11 @@ def check_supply(scene):
 
 def build(name, table):
     keys, own = base.read(name, table, Keys)
-    kind, world = type(keys.world).__struct_config__.tag, values(keys.world)
+    world = values(keys.world)
     ways = [values(way) for way in world.pop("ways", [])] or [{"name": ""}]
     slope = {key: world.pop(key) for key in _SLOPE} if isinstance(keys.world, Pulled) else None
     cases = _cases(ways, world)
-    scene = Scene(**own, slip=keys.slip, kind=kind, world=world, cases=cases, slope=slope)
+    scene = Scene(**own, slip=keys.slip, world=world, cases=cases, slope=slope)
     for case in scene.cases:
         if _shear_samples(scene, case) < 10:
             raise ValueError(f"scene {name}, [world]: the shear of {case.name} is shorter than 10 samples")
