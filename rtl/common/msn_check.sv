@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A rule that a block states about itself: from the first rst_i on, wrong_i is low at every clock edge. A simulation
-// stops where it is not, and names the instance; a proof shows that it never is. No hardware: it has no output.
+// stops where it is not, and names the instance; a proof shows that it never is. No hardware: it has no output, so
+// a tool that does not define SYNTHESIS has nothing to build either. No other block has code for simulation only.
 
 module msn_check (
   input logic clk_i,

@@ -8,8 +8,8 @@
 // has its own register and costs no latency. The user advances when it takes a word and while out_valid_o is
 // low. A restart (for a clock or more) selects bank_i; the first word is valid two advances later. With two
 // banks the bank not read can be written at any time, each part of a word by itself. A word read while it is
-// written is undefined: the user must restart before it takes that word. at_end_o: the word before Start
-// waits, as it must at a frame's last beat; otherwise the user restarts.
+// written is undefined: out_spoilt_o marks it, for a msn_check by the user that no result depends on it.
+// at_end_o: the word before Start waits, as it must at a frame's last beat; otherwise the user restarts.
 // Model: model/meissner/twins/common/frames.py
 
 module msn_frame_table #(
@@ -27,6 +27,7 @@ module msn_frame_table #(
   input  logic                      advance_i,
   output logic                      out_valid_o,
   output logic [Parts*PartBits-1:0] out_data_o,
+  output logic                      out_spoilt_o,
   output logic                      at_end_o,
 
   input  logic [Parts-1:0]          write_i,
@@ -77,6 +78,11 @@ module msn_frame_table #(
     if (restart_i) {out_valid_o, read_valid} <= '0;
   end
 
+  logic spoilt;  // the word that was read last
+  always_ff @(posedge clk_i) begin
+    if (advance_i) {out_spoilt_o, spoilt} <= {spoilt, write_i != '0 && address == write_address};
+  end
+
   // A slice has the width of one ECP5 block RAM at this depth, 36 bits up to 512 words: a memory of several blocks in
   // depth would have a multiplexer between the slow output and its register (102 instead of 131 MHz at 8192 words).
   localparam int unsigned Depth     = Words * Banks;
@@ -94,13 +100,6 @@ module msn_frame_table #(
           read                             <= memory[address];
           out_data_o[p*PartBits+low+:Bits] <= read;
         end
-`ifndef SYNTHESIS
-        // Reading a word in the clock in which it is written is undefined. This may happen to words that a restart
-        // discards; simulation returns a wrong value, so that tests detect the use of such a word.
-        // verilator coverage_off
-        if (advance_i && write_i[p] && address == write_address) read <= ~memory[address];
-        // verilator coverage_on
-`endif
       end
     end
   end

@@ -12,7 +12,8 @@
 //   open       an electrode without current (code >= idle) whose partner on the same layer has current
 //              (code <= busy); E2, E4 as mirrored codes -E - 1
 //   imbalance  |N - M| > cfg_imbalance: the two expressions of the current in eq. 18 disagree
-// pressed = load >= min_load, load > 0 and no fault; else x = y = 0.
+// pressed = load >= min_load, load > 0 and no fault; else x = y = 0. over and the faults are for users of the block
+// alone, as engine rtl: the core sends x, y, load and pressed.
 // Correct: the load follows the position, as its D is corrected for the layers' drop (msn_cop4_correct).
 // Latency S + 8 clocks, S + P + 20 if Correct; a sample every S + 1. Division steps: load S = 9, position P = 8, at one
 // bit a clock 17, 15. Back-to-back samples fill the stages and wait: 62 clocks, 141 if Correct, at one bit 110, 271.

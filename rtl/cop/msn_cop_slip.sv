@@ -13,6 +13,7 @@
 //   clock  1                         2                   3           4       5
 //          old, differences, drop old  magnitudes, compare  53 |d|, move  octant  state
 //
+// over, dx and dy are for users of the block alone, as engine rtl; the core sends slip, raised and octant.
 // Latency 5 clocks, a sample a clock. An ordinary release lowers the load too: move > 0 excludes it.
 // Error: none.
 // Model: model/meissner/twins/cop/cop_slip.py

@@ -129,29 +129,30 @@ module msn_health #(
   logic [1:0]                  behind;  // moves of the last lane of the beat before
   logic                       write;
   logic [IdBits-1:0]          write_place;
+  logic [3:0]                 spoilt, spoilt_head;  // row, down, up, states
   assign advance = accept || !head_valid;
 
   msn_frame_table #(.Words(Beats), .Parts(1), .PartBits(Lanes * StateBits), .Banks(1)) u_states (
     .clk_i, .restart_i(restart), .bank_i(1'b0), .advance_i(advance),
-    .out_valid_o(state_valid), .out_data_o(state_ahead),
+    .out_valid_o(state_valid), .out_data_o(state_ahead), .out_spoilt_o(spoilt[0]),
     .at_end_o(unused_states_end),
     .write_i(write), .write_bank_i(1'b0), .write_word_i(write_place), .write_data_i(write_state)
   );
   msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes), .Start((Rows - 1) * RowBeats)) u_up (
     .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(advance),
-    .out_valid_o(unused_up_valid), .out_data_o(up_ahead),
+    .out_valid_o(unused_up_valid), .out_data_o(up_ahead), .out_spoilt_o(spoilt[1]),
     .at_end_o(unused_up_end),
     .write_i(write), .write_bank_i(!bank), .write_word_i(write_place), .write_data_i(write_moves)
   );
   msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes)) u_row (
     .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(advance),
-    .out_valid_o(mid_valid), .out_data_o(ahead),
+    .out_valid_o(mid_valid), .out_data_o(ahead), .out_spoilt_o(spoilt[3]),
     .at_end_o(unused_row_end),
     .write_i(write), .write_bank_i(!bank), .write_word_i(write_place), .write_data_i(write_moves)
   );
   msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes), .Start(Rows > 1 ? RowBeats : 0)) u_down (
     .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(advance),
-    .out_valid_o(unused_down_valid), .out_data_o(down_ahead),
+    .out_valid_o(unused_down_valid), .out_data_o(down_ahead), .out_spoilt_o(spoilt[2]),
     .at_end_o(unused_down_end),
     .write_i(write), .write_bank_i(!bank), .write_word_i(write_place), .write_data_i(write_moves)
   );
@@ -164,9 +165,19 @@ module msn_health #(
       down_head  <= down_ahead;
       here       <= ahead;
       behind     <= here[2*Lanes-1-:2];
+      spoilt_head <= spoilt;
     end
     if (restart) head_valid <= 1'b0;
   end
+
+  // A word that was written as it was read is undefined. A frame that only writes initial states may take one (a reset
+  // of one clock changes the bank), and so may a beat that does not fit: they use none. The row's next word is a
+  // neighbour, but not of the row's last beat.
+  logic used;
+  assign used = accept && in_fits_i && !fresh;
+  msn_check u_words_are_defined (
+    .clk_i, .rst_i, .wrong_i(!rst_i && used && (spoilt_head != '0 || (spoilt[3] && !in_row_last_i)))
+  );
 
   // Which borders of the array the next beat touches.
   logic row_first, top, bottom;

@@ -165,6 +165,7 @@ module msn_tare #(
 
   // Two clocks ahead of the samples: add an averaging's result to the zero; then round it.
   logic                      table_valid, ahead_valid, advance, unused_state_end;
+  logic                      spoilt, spoilt_ahead, spoilt_next;  // of the words beside them
   logic [Lanes*PartBits-1:0] word, write_data;
   logic [Lanes-1:0]          rounded_ready, rounded_valid;
   assign advance    = rounded_ready[0];
@@ -178,15 +179,22 @@ module msn_tare #(
   logic [IdBits-1:0] place_q, write_place;
   msn_frame_table #(.Words(Beats), .Parts(Lanes), .PartBits(PartBits), .Banks(1)) u_state (
     .clk_i, .restart_i(restart), .bank_i(1'b0), .advance_i(advance),
-    .out_valid_o(table_valid), .out_data_o(word),
+    .out_valid_o(table_valid), .out_data_o(word), .out_spoilt_o(spoilt),
     .at_end_o(unused_state_end),
     .write_i(write), .write_bank_i(1'b0), .write_word_i(write_place), .write_data_i(write_data)
   );
 
   always_ff @(posedge clk_i) begin
     if (advance) ahead_valid <= table_valid;
+    if (advance) {spoilt_next, spoilt_ahead} <= {spoilt_ahead, spoilt};
     if (restart) ahead_valid <= 1'b0;
   end
+
+  // A word that was written as it was read is undefined. A beat that does not fit and a frame that is dropped may
+  // take one, as neither uses it.
+  msn_check u_word_is_defined (
+    .clk_i, .rst_i, .wrong_i(!rst_i && accept && in_fits_i && !loading && spoilt_next)
+  );
 
   // 1: the sample's register. The zeros' update follows it in a pipeline that never stalls.
   logic             learn, learn_q;

@@ -70,7 +70,7 @@ module msn_taxel_table #(
 
   localparam int unsigned PartBits = Offset ? 16 + SampleBits : 16;
 
-  logic                      valid;
+  logic                      valid, spoilt;
   logic [PartBits-1:0]       entry;
   logic [Lanes*PartBits-1:0] word;
   if (Offset) begin : gen_entry
@@ -86,7 +86,7 @@ module msn_taxel_table #(
 
   msn_frame_table #(.Words(Words), .Parts(Lanes), .PartBits(PartBits)) u_beats (
     .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(take_i || !valid),
-    .out_valid_o(valid), .out_data_o(word),
+    .out_valid_o(valid), .out_data_o(word), .out_spoilt_o(spoilt),
     .at_end_o(at_end),
     .write_i(write), .write_bank_i(!bank), .write_word_i(cfg_i.word[IdBits-1:0]),
     .write_data_i({Lanes{entry}})
@@ -101,12 +101,9 @@ module msn_taxel_table #(
     end
   end
 
-  // Reading a word in the clock in which it is written is undefined. It cannot happen, as the bank read is never the
-  // one written, except before the first swap, when nothing is loaded.
-  msn_check u_read_is_not_written (
-    .clk_i, .rst_i,
-    .wrong_i(!rst_i && out_loaded_o && write != '0 && u_beats.advance_i &&
-             u_beats.address == u_beats.write_address)
+  // The bank read is never the one written, except before the first swap, when nothing is loaded.
+  msn_check u_word_is_defined (
+    .clk_i, .rst_i, .wrong_i(!rst_i && out_loaded_o && take_i && spoilt)
   );
 
 endmodule

@@ -63,23 +63,6 @@ async def matches_model_and_mirrors(dut, stall_rate):
         assert (upturned["x"], upturned["y"]) == (plain["x"], -plain["y"])
 
 
-@bench.applies(lambda dut: taxels(dut) <= 1000)
-@cocotb.test(timeout_time=20, timeout_unit="ms")
-async def a_load_counts_from_the_gate_on(dut):
-    """The gate (minimum load) equal to a frame's own load, and one above it."""
-    rows, columns, lanes, fraction_bits, _ = parameters(dut)
-    await bench.start(dut)
-    for frame in bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[1:]:
-        load = int(frame.sum())
-        for gate in (load, load + 1):
-            if gate >> len(dut.cfg_min_load_i):
-                continue
-            dut.cfg_min_load_i.value = gate
-            [expected] = expected_of(frame[None], fraction_bits, gate)
-            got = await bench.stream(dut, bench.force_beats(frame[None], lanes), FIELDS, count=1)
-            assert got == [expected] and expected["pressed"] == (gate == load > 0)
-
-
 @bench.applies(lambda dut: not small(dut))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def large_array_matches_model(dut):

@@ -11,6 +11,7 @@ import pytest
 import bench
 from meissner.twins.common.divide import steps
 from meissner.twins.cop.cop import cop_divide, moments, sum_bits
+from reference import exact
 
 FIELDS = ["x~", "y~", "load", "pressed"]
 
@@ -128,12 +129,6 @@ def test_cop_divide(rows, columns, fraction_bits, bits_per_clock):
     bench.run("cop", "cop_divide", parameters | {"BitsPerClock": bits_per_clock})
 
 
-def nearest(value):
-    """Integer nearest to a fraction, ties away from zero: the definition, in exact rationals."""
-    whole = int(abs(value) + Fraction(1, 2))
-    return whole if value >= 0 else -whole
-
-
 @pytest.mark.parametrize("fraction_bits", [4, 14, 20])
 @pytest.mark.parametrize("rows, columns", [(1, 1), (1, 9), (9, 1), (2, 2), (33, 63), (64, 64), (1024, 1024)])
 def test_model_against_fractions(rows, columns, fraction_bits):
@@ -141,8 +136,8 @@ def test_model_against_fractions(rows, columns, fraction_bits):
     sums = cases(np.random.default_rng(3), rows, columns, 300, fraction_bits)
     for (total, mx, my), got in zip(sums, expected_of(sums, rows, columns, fraction_bits, 100)):
         pressed = total >= 100
-        x = nearest(Fraction(mx, (columns - 1) * total) * one) if pressed and columns > 1 else 0
-        y = nearest(Fraction(my, (rows - 1) * total) * one) if pressed and rows > 1 else 0
+        x = exact.away(Fraction(mx, (columns - 1) * total) * one) if pressed and columns > 1 else 0
+        y = exact.away(Fraction(my, (rows - 1) * total) * one) if pressed and rows > 1 else 0
         assert got == {"x": x, "y": y, "load": total, "pressed": int(pressed)}, (total, mx, my)
 
 

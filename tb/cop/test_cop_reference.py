@@ -14,17 +14,12 @@ import pytest
 import bench
 from meissner.twins.cop.cop import cop
 from meissner.twins.sensor.array_forces import ArrayForces
+from reference import exact
 
 
 def place(index, count):
     """The coordinate of column ``index`` of ``count``."""
     return Fraction(0) if count == 1 else -1 + Fraction(2 * index, count - 1)
-
-
-def nearest(value):
-    """Rounded to an integer, ties away from zero."""
-    whole = floor(abs(value) + Fraction(1, 2))
-    return whole if value >= 0 else -whole
 
 
 def centre(forces, fraction_bits, min_load):
@@ -35,7 +30,7 @@ def centre(forces, fraction_bits, min_load):
         return 0, 0, load, False
     x = sum(Fraction(f) * place(j, columns) for row in forces for j, f in enumerate(row)) / load
     y = sum(Fraction(f) * -place(i, rows) for i, row in enumerate(forces) for f in row) / load
-    return nearest(x * 2**fraction_bits), nearest(y * 2**fraction_bits), load, True
+    return exact.away(x * 2**fraction_bits), exact.away(y * 2**fraction_bits), load, True
 
 
 def test_by_hand():

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Words follow from Start on, wrapping around, one with every advance, the first two advances after a restart; each is
-// the value last written before it was read, for any word (`watch_i`, constant). No word is read in the clock in which
-// it is written. Assumed: with two banks only the bank not read is written, with one no word while it is read (proof
-// obligations of msn_taxel_table, msn_health and msn_tare, which restart before they use such a word).
+// the value last written before it was read, for any word (`watch_i`, constant), or is marked: a word is marked if and
+// only if it was written in the clock in which it was read.
 
 module formal_frame_table #(
   parameter  int unsigned Words    = 5,
@@ -25,13 +24,14 @@ module formal_frame_table #(
   input logic [Parts*PartBits-1:0] write_data_i
 );
 
-  logic                      out_valid_o, at_end_o;
+  logic                      out_valid_o, out_spoilt_o, at_end_o;
   logic [Parts*PartBits-1:0] out_data_o;
   msn_frame_table #(.Words(Words), .Parts(Parts), .PartBits(PartBits), .Banks(Banks), .Start(Start)) dut (.*);
 
   localparam int unsigned AddressBits = msn_pkg::index_width(Words * Banks);
   logic                      started = 1'b0;
   logic                      taken, watched, written, watch_bank_q, ours_read, ours_out;
+  logic                      spoilt_read, spoilt_out;
   logic [WordBits-1:0]       watch_q;
   logic [31:0]               place;        // of the word to be read next
   logic [1:0]                advances;     // since the restart, at most 2
@@ -51,6 +51,8 @@ module formal_frame_table #(
       ours_read  <= watched;
       value_read <= value;
       ours_out   <= ours_read;
+      spoilt_read <= write_i != '0 && 32'(write_word_i) == place && (Banks == 1 || write_bank_i == taken);
+      spoilt_out  <= spoilt_read;
       value_out  <= value_read;
       place      <= (place == Words - 1) ? 0 : place + 1;
       advances   <= (advances == 2'd2) ? 2'd2 : advances + 1'b1;
@@ -67,16 +69,14 @@ module formal_frame_table #(
     assume (32'(watch_i) < Words && 32'(write_word_i) < Words);
     if (started) begin
       assume (watch_i == watch_q && watch_bank_i == watch_bank_q);
-      if (Banks == 2) assume (write_i == '0 || write_bank_i != taken);
-      else            assume (write_i == '0 || !advance_i || 32'(write_word_i) != place);
       assert (out_valid_o == (advances == 2'd2));
-      if (out_valid_o && ours_out) assert (out_data_o == value_out);
-      // Reading a word in the clock in which it is written is undefined.
-      if (write_i != '0 && advance_i) assert (dut.address != dut.write_address);
+      if (out_valid_o) assert (out_spoilt_o == spoilt_out);
+      if (out_valid_o && ours_out && !out_spoilt_o) assert (out_data_o == value_out);
       // Invariant.
       assert (place < Words && dut.taken == taken && 32'(dut.address) == place + (taken ? Words : 0));
       assert (dut.read_valid == (advances != 2'd0) && advances <= 2'd2);
       if (Banks == 1) assert (!taken);
+      if (advances != 2'd0) assert (dut.spoilt == spoilt_read);
     end
   end
   localparam int unsigned Depth     = Words * Banks;
@@ -89,7 +89,7 @@ module formal_frame_table #(
         if (!started) assume (dut.gen_part[p].gen_slice[low].memory[at] == value[p*PartBits+low+:Bits]);
         if (started) begin
           assert (dut.gen_part[p].gen_slice[low].memory[at] == value[p*PartBits+low+:Bits]);
-          if (ours_read && advances != 2'd0) begin
+          if (ours_read && !spoilt_read && advances != 2'd0) begin
             assert (dut.gen_part[p].gen_slice[low].read == value_read[p*PartBits+low+:Bits]);
           end
         end
@@ -105,7 +105,7 @@ module formal_frame_table #(
   end
   always_comb begin
     if (started && Words < 16) cover (out_valid_o && ours_out && fresh && value_out != '0 && !restart_i);
-    if (started) cover (write_i != '0 && advance_i && out_valid_o);
+    if (started) cover (write_i != '0 && advance_i && out_valid_o && out_spoilt_o);
   end
 
 endmodule

@@ -11,12 +11,22 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.engines import fixed
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.slip import State
 from meissner.twins.slip.slip_serial import SlipSerial
+from slip import test_slip_path as slip_path
 
 FIELDS = ["state", "raised", "over", "p2p", "end"]
+
+
+def recording(rng, samples, rises=True):
+    return (1 if rises else -1) * slip_path.recording(rng, 1, samples)[0]
+
+
+def beats_of(x, ids=None, lasts=None):
+    ids = np.zeros(len(x), int) if ids is None else ids
+    lasts = np.ones(len(x), bool) if lasts is None else lasts
+    return [{"data": d, "id": i, "last": e} for d, i, e in zip(x, ids, lasts)]
 
 
 def build(dut, **settings):
@@ -45,19 +55,6 @@ async def apply(dut, twin):
     for name in names.split():
         port, value = getattr(dut, f"cfg_{name}_i"), getattr(twin.config, name)
         port.value = int(-1 if value is None else value) & ((1 << len(port)) - 1)
-
-
-def recording(rng, samples, rises=True):
-    """Codes that rest near 0, are pressed to about 150, with more or less noise."""
-    pressed = np.repeat(rng.random(samples // 25 + 1) < 0.7, 25)[:samples]
-    tremor = np.repeat(rng.choice([5, 25, 60], samples // 10 + 1), 10)[:samples]
-    return (1 if rises else -1) * pressed * 150 + rng.integers(-tremor, tremor + 1)
-
-
-def beats_of(x, ids=None, lasts=None):
-    ids = np.zeros(len(x), int) if ids is None else ids
-    lasts = np.ones(len(x), bool) if lasts is None else lasts
-    return [{"data": d, "id": i, "last": e} for d, i, e in zip(x, ids, lasts)]
 
 
 def rows(decided):
@@ -351,37 +348,6 @@ def test_slip_serial_by_hand():
     """Against a plain loop instead of the models: slip/slip_path_by_hand.py."""
     parameters = {"SampleBits": 13, "Level": 2, "Window": 16, "TimerBits": 3}
     bench.run("slip", "slip_serial", parameters, module="slip_path_by_hand")
-
-
-@pytest.mark.parametrize("level", [1, 2, 3])
-def test_model_is_that_of_the_chain(level):
-    """One channel against the vectorised engine, as a whole and in chunks."""
-    config = SlipConfig(
-        level=level,
-        threshold=60,
-        gross_threshold=110,
-        contact_level=200,
-        release_level=100,
-        hold=3,
-        refractory=4,
-        blank=5,
-    )
-    rng = np.random.default_rng(4)
-    x = recording(rng, 2001)
-    moving = rng.random(2001) < 0.2
-    watched = fixed.watch(x[None], config, moving)
-    twin = SlipSerial(config)
-    decided = twin.process(x, moving=moving)
-    assert twin.blanked == watched.blanked > 0
-    assert np.array_equal(decided["state"], watched.state[0])
-    assert np.array_equal(decided["p2p"], watched.p2p[0])
-    assert np.array_equal(decided["over"], watched.over[0])
-    assert np.array_equal(decided["end"], watched.end)
-    twin.reset()
-    cuts = [0, 1, 2, 3, 50, 51, 2001]
-    parts = [twin.next(x[a:b], moving=moving[a:b]) for a, b in itertools.pairwise(cuts)]
-    for field in FIELDS:
-        assert np.array_equal(np.concatenate([part[field] for part in parts]), decided[field])
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from meissner.scenes.hand.run import PARTS, joined, statistics
 
 # (figure, scene, seeds): the first condition of each, 10 ms.
 MOTIONS = ((16, "grip_pour", 20), (17, "grip_release", 10))
-HAND = "HEAL_S, GRIP_N_MM, SERVO_S, RIPPLE_N_S, EVENT_SHARE, PATCHES (chosen)"
 
 
 @cache

@@ -31,7 +31,6 @@ REST_N = (0.0, 0.05, 0.5, 5.0)  # nine taxels together, in addition to 5 N
 RATE_HZ = 500_000  # for the table and picture of figure 13
 RADII = (0.6, 0.8, 1.0, 1.2, 1.4, 1.5, 1.6, 2.0, 3.0)  # of the hemisphere
 R0_OHM = (1e3, 3e3, 10e3, 30e3, 100e3)
-K = "mesh_loads.K_PAPER"
 INSIDE = "inside"
 
 

@@ -18,7 +18,6 @@ from published._wavelets import SEEDS, first_flag
 RATE = 10_000
 SPEEDS = np.geomspace(0.01, 3.0, 61)  # figs. 12 and 14
 FIRST = (0.875, rubber.PUBLISHED_ONSET)
-LIMIT = "STIFFNESS_N_MM (read off), MATERIALS (chosen)"
 PULL = "plate on the rubber, 2 N, 0.5 mm/s, 4 mm"
 
 sheared = cache(published.sheared)

@@ -11,7 +11,7 @@ from meissner.physics import grip, rubber
 from meissner.scenes.grip import run as grip_run
 from meissner.scenes.grip.scene import Pull
 from meissner.scenes.shear.published import FIT, STEP_V
-from published import _net, section
+from published import _net, rows_of, section
 from published._parts import NONE, beside, figure, label, save
 
 TITLE = "Slip from a centre of pressure, and a net of tactile elements"
@@ -25,21 +25,19 @@ SLIP = """`meissner run cop_slip` has pulls in seven directions, at 1, 2 and 3 N
 without slip. The electrodes of a 7×7 mesh pass a converter, `msn_cop4` and `msn_cop_slip`. Figure 4 has means
 over the pulls at 2 N, up to the moment the object moves; rates are over all pulls and all runs. The picture
 shows the first pull. Figures 1 to 3, 5 and 9 are drawings and photographs."""
-OPTACON_ROWS = (
-    ("fig. 1", "thresholds of vibration, four channels", "curves over frequency, after other papers"),
-    ("table 1", "four receptors", "11, 59, 13, 101 mm² wide; 60, 10, 140, 20 in a cm²"),
-    (
-        "fig. 6",
-        "a pin's displacement without a finger, 30 V",
-        "22.2 dB above 1 µm at 230 Hz; r = 0.996, 0.2 dB apart",
-    ),
-    (
-        "figs. 8-11",
-        "pins under a finger, 10, 30, 50 V, beside the thresholds",
-        "least at 150 Hz; SA-I, FA-I below 20 Hz",
-    ),
-    ("fig. 14", "a pin switched every 0.4 s", "33 µm (30 dB), then 0.8 µm (-2 dB) at 230 Hz"),
-)
+OPTACON_ROWS = """
+    fig. 1 | thresholds of vibration, four channels | curves over frequency, after other papers
+
+    table 1 | four receptors | 11, 59, 13, 101 mm² wide; 60, 10, 140, 20 in a cm²
+
+    fig. 6 | a pin's displacement without a finger, 30 V
+    | 22.2 dB above 1 µm at 230 Hz; r = 0.996, 0.2 dB apart
+
+    figs. 8-11 | pins under a finger, 10, 30, 50 V, beside the thresholds
+    | least at 150 Hz; SA-I, FA-I below 20 Hz
+
+    fig. 14 | a pin switched every 0.4 s | 33 µm (30 dB), then 0.8 µm (-2 dB) at 230 Hz
+"""
 
 SEEDS = range(1, 6)  # for each condition; docs/cop_scenes.md has the scene's own ten seeds
 GRIP_N = 2.0  # III-A
@@ -231,7 +229,7 @@ def shear_tables():
 def compute():
     return [
         section("Pins of the Optacon-II", OPTACON),
-        *((*cells, "no counterpart", "all of it") for cells in OPTACON_ROWS),
+        *((*cells, "no counterpart", "all of it") for cells in rows_of(OPTACON_ROWS)),
         section("Development of High Speed and High Sensitivity Slip Sensor", SLIP),
         *(*slip(), *second_sensor(), *covers(), *sheared()),
         *(*cover_table(), *shear_tables()),
