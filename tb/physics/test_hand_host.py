@@ -61,11 +61,10 @@ def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, nu
     )
 
 
-@pytest.mark.parametrize("without, changes", [("step_share", {}), ("rule", {"step_mm": 0.03})])
-def test_a_scene_without_a_share_and_a_condition_with_a_step_keep_their_own(without, changes):
+@pytest.mark.parametrize("off, changes", [({"step_share": 0.0}, {}), ({}, {"step_mm": 0.03})])
+def test_a_scene_without_a_share_and_a_condition_with_a_step_keep_their_own(off, changes):
     scene = scenes.load("grip_disturb")
-    grip = {key: value for key, value in scene.grip.items() if key != without}
-    scene = replace(scene, grip=grip | {"rule": "any"})
+    scene = replace(scene, grip=scene.grip | off | {"rule": "any"})
     reflexes = Written()
     ours = host.Host(scene, structs.replace(scene.conditions[0], **changes), reflexes, np.array([3.0]))
     for cycle in range(500):
