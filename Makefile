@@ -31,7 +31,7 @@ $(PYENV): $(wildcard requirements/*.txt) pyproject.toml $(if $(wildcard $(BEGUN)
 	@mkdir -p .venv && touch $(BEGUN)
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(PIP) $$(grep '^platformdirs==' requirements/sim.txt)
-	@touch $@
+	@rm $(BEGUN) && touch $@
 
 $(SIM): $(PYENV)
 	@touch $(BEGUN)
@@ -93,7 +93,7 @@ gate: $(SYNTH)  ## compare every board's netlist with its sources: the same code
 gate-scenes: $(SYNTH)  ## compare every scene on twins, RTL and netlist, bit for bit [SCENES="cop_slip grip_pour"]
 	@$(BIN)/python tools/make/gate.py --scenes $(SCENES)
 
-fmax: $(SYNTH)  ## measure Fmax and area of blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
+fmax: $(SYNTH)  ## measure Fmax and area of blocks, worst of three seeds [FMAX="--record slip-1"]
 	@$(BIN)/python tools/make/fmax.py --jobs $(JOBS) $(FMAX)
 
 figures: $(SYNTH)  ## measure the figures of a version: docs/results.md and the pages of results [FIGURES="cop_slip"]

@@ -99,8 +99,8 @@ module msn_core #(
   output logic signed [16:0]              grip_word_o,
   output logic                            pwm_o,
 
-  output msn_pkg::verdict_t               verdict_o,         // every decision of the slip chain, for a bench or an
-  output msn_pkg::decision_t              decision_o,        // engine: once each, with verdict_o.valid
+  output msn_pkg::verdict_t               verdict_o,         // each decision of the slip chain, for a bench
+  output msn_pkg::decision_t              decision_o,        // or an engine, with verdict_o.valid
 
   input  logic                            rx_i,
   output logic                            tx_o,

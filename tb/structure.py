@@ -9,6 +9,7 @@ MODEL = ROOT / "model"
 # From the lowest layer up: each imports only from itself and lower layers. A name is a module or a package.
 LAYERS = [
     *(
+        "arrays",
         "names",
         "terminal",
         "interval",
@@ -42,13 +43,21 @@ def layer(module):
     return LAYERS.index(max(fits, key=len)) if fits else None
 
 
+def _for_types(node):
+    return isinstance(node, ast.If) and getattr(node.test, "id", None) == "TYPE_CHECKING"
+
+
 @cache
-def imports():
-    """{module: set of the modules that it imports}, including imports inside functions."""
+def imports(types=True):
+    """{module: set of the modules that it imports}, including imports inside functions; ``types``: and those
+    that only a type checker reads."""
     known, found = modules(), {}
     for module, path in known.items():
         found[module] = set()
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        tree = ast.parse(path.read_text("utf-8"))
+        if not types:
+            tree.body = [node for node in tree.body if not _for_types(node)]
+        for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "meissner":
                 package = node.module.removeprefix("meissner").lstrip(".")
                 for alias in node.names:

@@ -12,7 +12,7 @@ import time
 
 from meissner.builds.toolchain import ROOT
 from meissner.engines import verilated
-from meissner.twins.link.uart_tx import sixteenths
+from meissner.twins.link.uart import sixteenths
 
 DRIVER = ROOT / "tools/soak_driver.cpp"
 TAXELS, DEPTH, CLK_HZ, BAUD_HZ = 1024, 64, 24_000_000, 6_000_000

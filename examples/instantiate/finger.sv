@@ -23,6 +23,8 @@ module finger (
   logic [7:0]  unused_bytes;
   logic [31:0] unused_word;
   logic [16:0] unused_command;
+  msn_pkg::verdict_t  unused_verdict;
+  msn_pkg::decision_t unused_decision;
 
   msn_core #(
     .Adc        (msn_pkg::AdcMcp3208),
@@ -58,6 +60,8 @@ module finger (
     .grip_valid_o     (unused_grip),
     .grip_word_o      (unused_command),
     .pwm_o            (unused_pwm),
+    .verdict_o        (unused_verdict),
+    .decision_o       (unused_decision),
     .rx_i,
     .tx_o,
     .bus_valid_i      (1'b0),

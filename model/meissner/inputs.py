@@ -111,7 +111,7 @@ def check_min_load(
     min_load: int, rows: int = MAX_SIDE, columns: int = MAX_SIDE, name: str = "min_load"
 ) -> int:
     """``min_load`` if the register of an array of that size holds it; by default, of the largest array."""
-    from meissner.twins.cop.cop_accumulate import sum_bits  # here: other cores have no sum
+    from meissner.twins.cop.cop import sum_bits  # here: other cores have no sum
 
     if not isinstance(min_load, Integral):
         raise ValueError(f"{name} = {min_load} must be an integer")

@@ -6,6 +6,17 @@ from meissner import calibration, engines, files
 from meissner.terminal import plain
 
 
+def _timed(arguments, run, x, first):
+    """(``run`` of ``x``, written to the output; seconds taken), after it is built and warm by ``first``."""
+    with files.results(arguments.out) as save:
+        run(first)
+        began = time.perf_counter()
+        result = run(x)
+        taken = time.perf_counter() - began
+        save(result)
+    return result, taken
+
+
 def slip(arguments):
     """``meissner process slip``."""
     from meissner.twins.slip.config import SlipConfig
@@ -19,13 +30,9 @@ def slip(arguments):
         threshold=arguments.threshold,
     )
     x = engines.check_samples(files.read_array(arguments.input))
-    with files.results(arguments.out) as save:
-        engines.load(arguments.engine)
-        engines.process_slip(x[:, : config.window], config, arguments.engine)  # build, warm up
-        began = time.perf_counter()
-        result = engines.process_slip(x, config, arguments.engine)
-        taken = time.perf_counter() - began
-        save(result)
+    engines.load(arguments.engine)
+    run = lambda x: engines.process_slip(x, config, arguments.engine)
+    result, taken = _timed(arguments, run, x, x[:, : config.window])
     channels, windows = result["slip"].shape
     fired = result["fired_at"][result["slip"]]
     first = f"first at {int(fired.min()) / arguments.rate:.4f} s" if len(fired) else "none"
@@ -46,12 +53,8 @@ def cop(arguments):
         forces = calibration.check_codes(files.read_array(arguments.input), lines.offset.shape)
     else:
         forces = engines.check_forces(files.read_array(arguments.input))
-    with files.results(arguments.out) as save:
-        engines.process_cop(forces[:1], arguments.engine, arguments.min_load, lines)  # build, warm up
-        began = time.perf_counter()
-        result = engines.process_cop(forces, arguments.engine, arguments.min_load, lines)
-        taken = time.perf_counter() - began
-        save(result)
+    run = lambda x: engines.process_cop(x, arguments.engine, arguments.min_load, lines)
+    result, taken = _timed(arguments, run, forces, forces[:1])
     frames, rows, columns = forces.shape
     print(
         f"{frames} frame{'s' * (frames > 1)} of {rows}×{columns}, {int(result['valid'].sum())} with a load; "
@@ -71,12 +74,8 @@ def cop4(arguments):
     if arguments.input.lower().endswith(".csv"):
         codes = codes.T  # a column per electrode
     codes = engines.check_electrodes(codes, config.adc.bits)
-    with files.results(arguments.out) as save:
-        engines.process_cop4(codes[:1], config, arguments.engine)  # build, warm up
-        began = time.perf_counter()
-        result = engines.process_cop4(codes, config, arguments.engine)
-        taken = time.perf_counter() - began
-        save(result)
+    run = lambda x: engines.process_cop4(x, config, arguments.engine)
+    result, taken = _timed(arguments, run, codes, codes[:1])
     saturated, imbalance, opened = (int((flag > 0).sum()) for flag in faults(codes, config.registers))
     print(
         f"{len(codes)} sample{'s' * (len(codes) > 1)}, {int(result['valid'].sum())} with a load; faults: "

@@ -9,7 +9,6 @@ Input that the core cannot take raises ValueError, an argument of the wrong clas
 sentence. Floats are refused even if they are whole, since volts are a common mistake.
 """
 
-from numbers import Integral
 from typing import NamedTuple
 
 import numpy as np
@@ -26,8 +25,7 @@ from meissner.inputs import (
 )
 from meissner.physics.cop4_config import Cop4Config
 from meissner.twins.cop import cop4 as cop4_twin
-from meissner.twins.cop.cop_accumulate import moments
-from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.cop.cop import cop_divide, moments
 from meissner.twins.frontend.calibrate import forces
 from meissner.twins.slip import slip as slip_twin
 from meissner.twins.slip.config import SlipConfig
@@ -150,7 +148,7 @@ class Slip:
     def __init__(self, config: SlipConfig | None = None, channels: int = 1) -> None:
         self.config = config = SlipConfig() if config is None else config
         _check_class("config", config, SlipConfig)
-        if not isinstance(channels, Integral):
+        if not isinstance(channels, int | np.integer):
             raise ValueError(f"channels = {channels} must be an integer")
         group = 1 << config.level
         self._haar = Haar(channels, config.level)

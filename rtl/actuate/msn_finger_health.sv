@@ -9,7 +9,7 @@
 // healthy_o follows the sample by 3 clocks and lost_i by 1 clock. A sample a clock; an id beyond the last finger is
 // ignored. After a reset all fingers are healthy.
 // Error: none.
-// Model: model/meissner/twins/actuate/finger_health.py
+// Model: model/meissner/twins/actuate/actuate.py
 
 module msn_finger_health #(
   parameter  int unsigned Fingers    = 2,

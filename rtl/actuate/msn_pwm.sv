@@ -8,7 +8,7 @@
 // way. No pulses until the first word after a reset: a motor driver that holds without pulses then holds, where a word
 // of 0 would be a command to open. The first period begins at the pin 3 clocks after the first word.
 // Error: none.
-// Model: model/meissner/twins/actuate/pwm.py
+// Model: model/meissner/twins/actuate/actuate.py
 
 module msn_pwm #(
   parameter int unsigned Bits       = 16,

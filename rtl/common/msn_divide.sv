@@ -115,7 +115,8 @@ module msn_divide #(
       // A digit enters the quotient one clock after it is found, so that only the remainder depends on it at once. A
       // negative quotient starts at -1 and counts down: the complement of each digit is appended to `low`.
       low  <= (low << BitsPerClock) | QuotientBits'(step);
-      high <= (&step) ? high << BitsPerClock : (low << BitsPerClock) | QuotientBits'(BitsPerClock'(step + 1'b1));
+      high <= (&step) ? high << BitsPerClock :
+                        (low << BitsPerClock) | QuotientBits'(BitsPerClock'(step + 1'b1));
       step <= digit ^ {BitsPerClock{negative}};
     end
     if (load) begin

@@ -4,7 +4,7 @@
 //
 //   Entries[i] = 2^(i/256) - 1, i = 0 .. 256
 //
-// Written by `python tools/make/tables.py --write` from integers: no tool computes a logarithm of its own.
+// Written by `python tools/make/tables.py` from integers: no tool computes a logarithm of its own.
 // Model: model/meissner/twins/common/exp2.py
 
 package msn_exp2_pkg;

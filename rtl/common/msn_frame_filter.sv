@@ -6,7 +6,7 @@
 // the rest of its frame, up to `last`, are dropped, and the frame is counted as damaged. The next frame is
 // marked `restart`, as is the first after reset: blocks downstream must discard their history there.
 //
-// Latency 1 clock, one sample per clock.   Model: model/meissner/twins/common/frame_filter.py
+// Latency 1 clock, one sample per clock.   Model: model/meissner/twins/common/frames.py
 // Error: none.
 
 module msn_frame_filter #(

@@ -8,7 +8,7 @@
 // busy_i must be high from the clock after a beat is taken until the last of its results has left.
 //
 // Latency 0; each closing costs the clocks until the chain is empty, plus 2. With pending_i low it costs nothing.
-// Model: model/meissner/twins/common/frame_gate.py
+// Model: model/meissner/twins/common/frames.py
 
 module msn_frame_gate (
   input  logic clk_i,

@@ -13,7 +13,7 @@
 // Combinational; the data bypass this block. Every beat, dropped or not, waits for out_ready_i. A stream without
 // numbers loops out_id_o back to in_id_i: then only `last` is checked.
 // Error: none.
-// Model: model/meissner/twins/common/frame_marker.py
+// Model: model/meissner/twins/common/frames.py
 
 module msn_frame_marker #(
   parameter  int unsigned Rows     = 64,

@@ -7,7 +7,7 @@
 // An upset can lose a result. So that the sensor does not stall for ever, busy_o falls after 2^QuietBits - 1 clocks
 // between two frames in which no output waits (quiet_i).
 //
-// One frame at a time: msn_frame_gate is closed while busy_o.   Model: model/meissner/twins/common/frame_owed.py
+// One frame at a time: msn_frame_gate is closed while busy_o.   Model: model/meissner/twins/common/frames.py
 // Error: at most 1 clock (tb/extremes).
 
 module msn_frame_owed #(

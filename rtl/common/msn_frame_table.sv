@@ -10,7 +10,7 @@
 // banks the bank not read can be written at any time, each part of a word by itself. A word read while it is
 // written is undefined: out_spoilt_o marks it, for a msn_check by the user that no result depends on it.
 // at_end_o: the word before Start waits, as it must at a frame's last beat; otherwise the user restarts.
-// Model: model/meissner/twins/common/frame_table.py
+// Model: model/meissner/twins/common/frames.py
 
 module msn_frame_table #(
   parameter  int unsigned Words       = 4096,

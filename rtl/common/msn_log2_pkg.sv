@@ -4,7 +4,7 @@
 //
 //   Entries[i] = log2(1 + i/256), i = 0 .. 256
 //
-// Written by `python tools/make/tables.py --write` from integers: no tool computes a logarithm of its own.
+// Written by `python tools/make/tables.py` from integers: no tool computes a logarithm of its own.
 // Model: model/meissner/twins/common/log2.py
 
 package msn_log2_pkg;

@@ -7,7 +7,7 @@
 //
 // The only block that drops bits. Latency 1 clock, one sample per clock.
 // Error: at most 1/2 LSB (tb/extremes).
-// Model: model/meissner/twins/common/round_sat.py
+// Model: model/meissner/twins/common/arithmetic.py
 
 module msn_round_sat #(
   parameter  int unsigned InWidth  = 24,

@@ -5,7 +5,7 @@
 //   out[n] = in[n-2]
 //
 // The bits of a wider input are synchronised separately and may arrive a clock apart.
-// Latency 2 cycles.   Model: model/meissner/twins/common/sync.py
+// Latency 2 cycles.   Model: model/meissner/twins/common/delay.py
 
 module msn_sync #(
   parameter int unsigned Width = 1

@@ -3,7 +3,7 @@
 // Converts beats of Lanes taxels to single taxels, as channels 0 .. Rows*Columns-1, row by row. Unused lanes in a
 // row's last beat are skipped. in_row_last_i: a mark of msn_frame_marker.
 //
-// Latency 0 clocks, a taxel a clock, a beat when its last taxel is taken.   Model: model/meissner/twins/common/width_converter.py
+// Latency 0 clocks, a taxel a clock, a beat when its last taxel is taken.   Model: model/meissner/twins/common/handshake.py
 
 module msn_width_converter #(
   parameter  int unsigned Rows     = 64,

@@ -12,7 +12,7 @@
 //          beat total, moment  S, A, B, row  Mx, My
 //
 // Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_marker gives them; a
-// frame with a beat that does not fit gives no result.   Model: model/meissner/twins/cop/cop_accumulate.py
+// frame with a beat that does not fit gives no result.   Model: model/meissner/twins/cop/cop.py
 // Error: none.
 
 module msn_cop_accumulate #(

@@ -10,7 +10,7 @@
 //
 // Latency: that of msn_divide, both coordinates in parallel; the load travels with them.
 // Error: at most 1/2 LSB of x, y (tb/extremes).
-// Model: model/meissner/twins/cop/cop_divide.py
+// Model: model/meissner/twins/cop/cop.py
 
 module msn_cop_divide #(
   parameter  int unsigned Rows         = 64,

@@ -3,7 +3,7 @@
 // Gathers the four electrodes' samples of a frame, which arrive one after the other, into one parallel word.
 //
 // A frame is samples 0 .. 3 with `last` on the final one. Any other is dropped up to its `last`, and counted.
-// Latency 1 clock after the fourth sample; a sample a clock.   Model: model/meissner/twins/cop/electrodes.py
+// Latency 1 clock after the fourth sample; a sample a clock.   Model: model/meissner/twins/cop/cop4.py
 
 module msn_electrodes #(
   parameter int unsigned SampleBits = 17

@@ -7,7 +7,7 @@
 // A start during a burst begins a new burst.
 //
 // Error: none.
-// Model: model/meissner/twins/frontend/burst.py
+// Model: model/meissner/twins/frontend/timing.py
 
 module msn_burst #(
   parameter int unsigned CountBits  = 10,

@@ -6,7 +6,7 @@
 //
 // This takes Words + 1 clocks (RowColumn: a row's beats + Rows + 1), in which a host's writes are lost; then done_o.
 // Error: none.
-// Model: model/meissner/twins/frontend/calibration_preset.py
+// Model: model/meissner/twins/frontend/calibrate.py
 
 module msn_calibration_preset #(
   parameter  int unsigned Rows       = 64,

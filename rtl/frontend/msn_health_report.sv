@@ -6,7 +6,7 @@
 //
 // A lane a clock; the next event is taken when the last lane is done.
 // Error: none.
-// Model: model/meissner/twins/frontend/health_report.py
+// Model: model/meissner/twins/frontend/health.py
 
 module msn_health_report #(
   parameter  int unsigned IdBits    = 9,

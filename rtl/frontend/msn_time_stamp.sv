@@ -7,7 +7,7 @@
 // So a frame keeps its own time while it waits, however many conversions are lost meanwhile, and time_o keeps the
 // previous frame's time until then. The converter must offer a frame's first sample before it converts the next.
 // Error: none.
-// Model: model/meissner/twins/frontend/time_stamp.py
+// Model: model/meissner/twins/frontend/timing.py
 
 module msn_time_stamp (
   input  logic        clk_i,

@@ -7,7 +7,7 @@
 // The checksum is ~out_crc_o, sent lowest bit first. With Bits = 1, feeding back out_crc_o[0] only shifts, so that
 // a serial sender can shift it out. After a packet with its checksum, out_crc_o is DEBB20E3.
 // Error: none.
-// Model: model/meissner/twins/link/crc32.py
+// Model: model/meissner/twins/link/packet.py
 
 module msn_crc32 #(
   parameter int unsigned Bits = 8

@@ -10,7 +10,7 @@
 //
 // Latency: 3 clocks from step_i to the next taxel, 2 clocks from take_i to the first.
 // Error: none.
-// Model: model/meissner/twins/link/image_chunks.py
+// Model: model/meissner/twins/link/images.py
 
 module msn_image_chunks #(
   parameter  int unsigned Taxels      = 4096,

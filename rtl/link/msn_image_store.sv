@@ -8,7 +8,7 @@
 // missing is dropped too. dropped_o counts all dropped images.
 //
 // The reader sets read_begun_i while it reads and read_done_i for a clock at the end; read_data_o is the taxel at
-// the read_address_i of two clocks before.   Model: model/meissner/twins/link/image_store.py
+// the read_address_i of two clocks before.   Model: model/meissner/twins/link/images.py
 
 module msn_image_store #(
   parameter  int unsigned Taxels      = 4096,

@@ -5,7 +5,7 @@
 //   events ─ packet_slip ─ cobs ─ uart_tx ─ line
 //
 // Specification: docs/link.md. convert_i: the convert start; an event's packet carries its time.
-// Model: model/meissner/twins/link/link_slip.py
+// Model: model/meissner/twins/link/link.py
 
 module msn_link_slip #(
   parameter int unsigned ClkHz   = 12_000_000,

@@ -13,7 +13,7 @@
 // before the event was offered, in clocks since reset. Convert starts while an event waits are not recorded: an
 // event of a sample delayed by such a wait has the time of the last convert start before the wait.
 // Error: none.
-// Model: model/meissner/twins/link/packet_slip.py
+// Model: model/meissner/twins/link/packet.py
 
 module msn_packet_slip #(
   parameter int unsigned P2pBits = 18

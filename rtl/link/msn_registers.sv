@@ -91,8 +91,8 @@ module msn_registers #(
 
   // Each field by its row of the table.
   logic [Rows-1:0]                         here, here_q;   // the access is to its register; a clock later
-  logic [Rows-1:0]                         able, delays;   // it can be written; a write waits for a frame's start
-  logic [msn_registers_pkg::ResetBits-1:0] written;        // settings as the host wrote them, placed as in Resets
+  logic [Rows-1:0]                         able, delays;   // can be written; a write waits for a frame
+  logic [msn_registers_pkg::ResetBits-1:0] written;        // settings as the host wrote them, as in Resets
   logic                                    commit;
   // verilator coverage_off
   logic [32*Rows-1:0] told;  // each field in its bits of a word: all others are 0
@@ -109,7 +109,8 @@ module msn_registers #(
                                     Row.held == msn_registers_pkg::Load   ? LoadBits :
                                     Row.held == msn_registers_pkg::Offset ? OffsetBits : Width;
     localparam bit On    = Has[Row.group];
-    localparam bit Waits = Row.kind == msn_registers_pkg::Setting && Row.applies == msn_registers_pkg::AtFrame && On;
+    localparam bit Waits = On && Row.kind == msn_registers_pkg::Setting &&
+                           Row.applies == msn_registers_pkg::AtFrame;
     assign here[n]   = On && word == Row.word;
     assign able[n]   = Row.kind == msn_registers_pkg::Setting || Row.kind == msn_registers_pkg::Command;
     assign delays[n] = Waits && write && here[n];
@@ -126,7 +127,8 @@ module msn_registers #(
       if (On) begin : gen_on
         always_ff @(posedge clk_i) begin
           if (write && here[n]) begin
-            written[Row.value+:Width] <= (bits & ~mask[Low+:Width]) | (bus_wdata_i[Low+:Width] & mask[Low+:Width]);
+            written[Row.value+:Width] <= (bits & ~mask[Low+:Width]) |
+                                         (bus_wdata_i[Low+:Width] & mask[Low+:Width]);
           end
           if (rst_i) written[Row.value+:Width] <= Reset;
         end

@@ -4,7 +4,7 @@
 //
 // A bit lasts ClkHz / BaudHz clocks, to a sixteenth of a clock, at least 4. A byte is valid for one clock, in
 // the middle of its stop bit; if that bit is not 1, error_o rises instead, and reception pauses until the line
-// rests. A start bit that has ended by its middle is ignored.   Model: model/meissner/twins/link/uart_rx.py
+// rests. A start bit that has ended by its middle is ignored.   Model: model/meissner/twins/link/uart.py
 // Error: none.
 
 module msn_uart_rx #(

@@ -5,7 +5,7 @@
 // A bit lasts ClkHz / BaudHz clocks on average, to a sixteenth of a clock (0.8 % at 4 clocks a bit, the minimum;
 // exact where it divides). tx_o falls on the clock after a byte is taken while the line is idle.
 // Error: at most 1/32 clock (tb/extremes).
-// Model: model/meissner/twins/link/uart_tx.py
+// Model: model/meissner/twins/link/uart.py
 
 module msn_uart_tx #(
   parameter int unsigned ClkHz  = 12_000_000,

@@ -10,7 +10,7 @@
 // (commit_o) and the frame's time change only between two frames. time_o: a scanned frame's convert start, of a
 // stream the clock of its first beat.
 // Latency from a scanned frame's last beat: 16 clocks with all stages, the same in every frame.
-// Model: model/meissner/twins/sensor/sensor_array.py
+// Model: model/meissner/twins/sensor/sensors.py
 
 module msn_sensor_array #(
   parameter  int unsigned Adc              = msn_pkg::AdcNone,  // msn_pkg::adc_part_e

@@ -7,7 +7,7 @@
 // The next frame waits while busy_i is high, until the blocks downstream have finished the previous one, so that
 // settings (commit_o) and the frame's time change only between frames. Gate = 0: settings are constants, and the
 // blocks downstream keep the time themselves. A sensor's ports: docs/frames.md.
-// Model: model/meissner/twins/sensor/sensor_channels.py
+// Model: model/meissner/twins/sensor/sensors.py
 
 module msn_sensor_channels #(
   parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e

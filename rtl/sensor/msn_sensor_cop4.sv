@@ -6,7 +6,7 @@
 //                                                             └─ cop_slip (CopSlip) ─ decisions
 //
 // The next frame is let through when the last result of the previous one has left (msn_frame_owed).
-// Model: model/meissner/twins/sensor/sensor_cop4.py
+// Model: model/meissner/twins/sensor/sensors.py
 
 module msn_sensor_cop4 #(
   parameter  int unsigned Adc          = msn_pkg::AdcNone,  // msn_pkg::adc_part_e

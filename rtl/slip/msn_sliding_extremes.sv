@@ -7,7 +7,7 @@
 // A chain of these, each with the span of all before it as Lag, is an exact sliding window: 2 x 4 x 4 = 32.
 // Values from before the last `restart` are ignored. Latency 1 clock, one value per clock.
 // Error: none.
-// Model: model/meissner/twins/slip/sliding_extremes.py
+// Model: model/meissner/twins/slip/peak_to_peak.py
 
 module msn_sliding_extremes #(
   parameter  int unsigned Channels   = 8,

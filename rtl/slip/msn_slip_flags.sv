@@ -4,7 +4,7 @@
 //
 // A flag rises on the clock after a channel's decision, and falls after a complete frame without such a decision.
 // Error: none.
-// Model: model/meissner/twins/slip/slip_flags.py
+// Model: model/meissner/twins/slip/slip_path.py
 
 module msn_slip_flags (
   input  logic                 clk_i,

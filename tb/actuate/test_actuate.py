@@ -357,11 +357,7 @@ async def without_the_reflex_nothing_comes(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`GripLoop` and `Runs`, loops written from docs/grip.md",
-        "test": "tb/actuate/test_actuate.py::test_model_against_the_loops",
-    },
-    "equivalence": {"size": {"Fingers": 3}, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Fingers": 3}, "boxes": True},
     "faults": {"none": "instances, wires and counters; the reflex' own upsets are those of msn_grip"},
 }
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.actuate.finger_health import FingerHealth
+from meissner.twins.actuate.actuate import FingerHealth
 
 LOW, HIGH = -21, 300
 
@@ -147,10 +147,6 @@ async def matches_the_loop_at_any_settings(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Runs`, a loop written from docs/grip.md",
-        "test": "tb/actuate/test_finger_health.py::test_model_against_the_loop",
-    },
     "equivalence": {"size": {"Fingers": 3}},
     "faults": {"none": "no frames: an upset of a run lasts until the finger's next sample between the rails"},
 }

@@ -486,11 +486,7 @@ async def rests_in_reset(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`GripLoop`, a loop written from docs/grip.md",
-        "test": "tb/actuate/test_grip.py::test_model_against_the_loop",
-    },
-    "equivalence": {"size": {"Fingers": 3}, "open": ["reset"]},
+    "equivalence": {"size": {"Fingers": 3}},
     "faults": {
         "settle": 40,
         "driver": {"frame": "over_valid_i", "kept": "out_command_o term speed_valid clocks last_clock"},

@@ -7,7 +7,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.actuate.pwm import pwm
+from meissner.twins.actuate.actuate import pwm
 
 QUIET = {"in_valid_i": 0, "in_data_i": 0, "cfg_divide_i": 0}
 
@@ -101,10 +101,6 @@ async def rests_in_reset(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "counts of clocks, `BY_HAND`",
-        "test": "tb/actuate/test_pwm.py::test_model_by_hand",
-    },
     "equivalence": {"size": {"Bits": 5}},
     "faults": {
         "none": "no frames: an upset lasts to the period's end, of the word or its flag to the next word"

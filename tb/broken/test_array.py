@@ -5,6 +5,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import engines, run, scenes
 from meissner.engines import fixed
@@ -110,7 +111,7 @@ def test_a_stuck_taxel(monkeypatch, turned, sound):
 def test_a_louder_converter(turned, sound):
     """White noise of 16 codes in place of a quarter of a code: both errors grow, the over-range count does
     not."""
-    loud = dataclasses.replace(SCENE, converter=dataclasses.replace(SCENE.converter, noise_lsb=16.0))
+    loud = dataclasses.replace(SCENE, converter=structs.replace(SCENE.converter, noise_lsb=16.0))
     found, which = turned(loud)
     assert {"position_error", "load_error"} <= which <= {"position_error", "load_error", "below_min_load"}
     assert found["position_error"]["mean"] > 5 * sound["position_error"]["mean"]
@@ -118,7 +119,7 @@ def test_a_louder_converter(turned, sound):
 
 def test_a_range_too_small(turned, sound):
     """Taxels of 0.25 N under up to 8 N: the over-range taxels are counted, and their excess load is lost."""
-    small = dataclasses.replace(SCENE, converter=dataclasses.replace(SCENE.converter, full_scale_n=0.25))
+    small = dataclasses.replace(SCENE, converter=structs.replace(SCENE.converter, full_scale_n=0.25))
     found, which = turned(small)
     assert (
         found["over_range"] == (over := int((true_forces() > 0.25 * (1 + 0.5 / 4095)).sum())) and over > 100
@@ -128,7 +129,7 @@ def test_a_range_too_small(turned, sound):
 
 def test_a_range_too_small_is_counted_in_every_piece():
     """9000 frames, more than are simulated in one piece."""
-    small = dataclasses.replace(SCENE.converter, full_scale_n=0.25, noise_lsb=0.0)
+    small = structs.replace(SCENE.converter, full_scale_n=0.25, noise_lsb=0.0)
     recording = scenes.simulate(dataclasses.replace(SCENE, rate_hz=6000, converter=small))
     assert recording.over_range == (true_forces(9000) > 0.25 * (1 + 0.5 / 4095)).sum() > 3000
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import scenes
 from meissner.physics import hand as physics
@@ -22,7 +23,7 @@ RUNS, SECONDS = 4, 8.0
 def few(name="grip_pour", grip=None, slip=None, **changes):
     """The scene's first condition, shortened, with few runs."""
     scene = scenes.load(name)
-    condition = replace(scene.conditions[0], duration_s=SECONDS, **changes)
+    condition = structs.replace(scene.conditions[0], duration_s=SECONDS, **changes)
     world = scene.world | {"pour_start_s": 0.5, "hold_from_s": 4.0}
     grip, slip = scene.grip | (grip or {}), scene.slip | (slip or {})
     return replace(scene, seeds=RUNS, conditions=(condition,), world=world, grip=grip, slip=slip)

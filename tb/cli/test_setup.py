@@ -108,6 +108,15 @@ def test_synthesis_tools_are_installed_beside_the_simulators(tmp_path, setup, ta
     assert files(tmp_path) == sorted([*WHOLE, ".synth", "tools", "half"])
 
 
+def test_synthesis_tools_after_new_requirements_keep_the_environment(tmp_path, setup):
+    assert setup("", BOTH) == 0
+    (tmp_path / ".venv/of_the_user").touch()
+    os.utime(tmp_path / ".venv/.python", (1, 1))  # older than the requirements
+    assert setup("", [".venv/.synth"]) == 0
+    assert setup("", BOTH) == 0
+    assert files(tmp_path) == sorted([*WHOLE, ".synth", "tools", "of_the_user"])
+
+
 def test_every_package_is_pinned_once():
     """So two installations at the same time never write the same package, and none brings others with it.
     Yosys runs before the simulators are all there: of their packages it needs only what comes first."""

@@ -9,9 +9,7 @@ import pytest
 import bench
 from common.test_frame_marker import damaged_beats
 from meissner.twins.common.arithmetic import compare, constant_multiplier, multiply
-from meissner.twins.common.frame_filter import FrameFilter
-from meissner.twins.common.frame_marker import FrameMarker
-from meissner.twins.common.frame_owed import FrameOwed
+from meissner.twins.common.frames import FrameFilter, FrameMarker, FrameOwed
 
 
 @pytest.mark.parametrize("width", [1, 2, 5])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import bench
+from harness.refusals import refusals
 from meissner.twins.common.delay import Delay
 
 
@@ -32,7 +33,6 @@ async def matches_model(dut, gap_rate):
 
 
 EVIDENCE = {
-    "reference": {"moves": "words by a number of steps"},
     "equivalence": {"size": {"Depth": 7}, "reset": {"ties": {"step_i": 1}, "clocks": 9}},
     "faults": {"settle": 12, "driver": {"frame": "step_i"}},
 }
@@ -52,8 +52,4 @@ def test_model_in_chunks():
     assert np.array_equal(chunks, Delay(7).process(x))
 
 
-def test_refuses_illegal_parameters():
-    assert "Depth = 0" in bench.refuses("delay", {"Depth": 0})
-    assert "Width = 0" in bench.refuses("delay", {"Width": 0})
-    with pytest.raises(ValueError, match="depth = 0"):
-        Delay(0)
+test_refuses_illegal_parameters = refusals("delay", Delay, {"Depth": 0}, alone=[{"Width": 0}])

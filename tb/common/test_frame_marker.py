@@ -8,7 +8,8 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.common.frame_marker import FrameMarker
+from harness.refusals import refusals
+from meissner.twins.common.frames import FrameMarker
 
 
 def damaged_beats(beats, frames, rate, seed):
@@ -101,10 +102,6 @@ async def rows_end_where_they_end(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`frames_by_their_ends`",
-        "test": "tb/common/test_common_references.py::test_places_by_the_frames_ends",
-    },
     "equivalence": {"size": {"Rows": 3, "RowBeats": 3}},
 }
 
@@ -148,10 +145,6 @@ def test_no_damaged_frame_looks_whole_and_no_whole_one_is_lost(beats):
     assert twin.process(ids, lasts) == places
 
 
-def test_refuses_illegal_parameters():
-    assert "Rows = 0" in bench.refuses("frame_marker", {"Rows": 0})
-    assert "RowBeats = 0" in bench.refuses("frame_marker", {"RowBeats": 0})
-    with pytest.raises(ValueError, match="rows = 0"):
-        FrameMarker(0, 2)
-    with pytest.raises(ValueError, match="row_beats = 0"):
-        FrameMarker(2, 0)
+test_refuses_illegal_parameters = refusals(
+    "frame_marker", FrameMarker, {"Rows": 0}, {"RowBeats": 0}, rows=2, row_beats=2
+)

@@ -10,7 +10,8 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.common.frame_owed import FrameOwed
+from harness.refusals import refusals
+from meissner.twins.common.frames import FrameOwed
 
 IDLE = (0, 1, 0, 0, 1)  # taken, first, done (bits), drop, quiet
 
@@ -109,12 +110,7 @@ async def matches_model(dut):
     assert not twin.next(0, 1, [0] * results, 0, 1)
 
 
-EVIDENCE = {
-    "reference": {
-        "against": "clocks by hand, `OWED`",
-        "test": "tb/common/test_common_references.py::test_owed_results_by_hand",
-    },
-}
+EVIDENCE = {}
 
 SPACE = lambda draw: {"Results": draw.randint(1, 3), "QuietBits": draw.randint(2, 6)}
 
@@ -124,11 +120,6 @@ def test_frame_owed(results, quiet_bits):
     bench.run("common", "frame_owed", {"Results": results, "QuietBits": quiet_bits})
 
 
-def test_refuses_illegal_parameters():
-    assert "Results = 0" in bench.refuses("frame_owed", {"Results": 0})
-    for bits in (1, 17):
-        assert f"QuietBits = {bits}" in bench.refuses("frame_owed", {"QuietBits": bits})
-        with pytest.raises(ValueError, match="quiet_bits"):
-            FrameOwed(1, bits)
-    with pytest.raises(ValueError, match="results"):
-        FrameOwed(0)
+test_refuses_illegal_parameters = refusals(
+    "frame_owed", FrameOwed, {"Results": 0}, {"QuietBits": 1}, {"QuietBits": 17}
+)

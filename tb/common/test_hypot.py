@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import bench
+from harness.refusals import refusals
 from meissner.twins.common.hypot import hypot, latency
 
 
@@ -97,9 +98,7 @@ async def forgets_what_a_reset_interrupts(dut):
         assert got == expected_of(pairs, exact)
 
 
-EVIDENCE = {
-    "reference": {"against": "`isqrt`", "test": "tb/common/test_hypot.py::test_model_against_integer_root"},
-}
+EVIDENCE = {}
 
 SPACE = lambda draw: {"Bits": draw.randint(1, 18), "Exact": draw.randint(0, 1)}
 
@@ -127,12 +126,10 @@ def test_estimate_stays_within_its_bound():
     assert 0.00777 < errors.max() < 0.00780
 
 
-def test_refuses_illegal_parameters():
-    assert "Bits = 31" in bench.refuses("hypot", {"Bits": 31})
-    assert "Bits = 0" in bench.refuses("hypot", {"Bits": 0})
-    for bits in (0, 31):
-        with pytest.raises(ValueError, match=f"bits = {bits} must lie in 1 .. 30"):
-            latency(bits)
-    for a, b in ((-1, 0), (0, 1 << 30)):
-        with pytest.raises(ValueError, match="must lie in 0"):
-            hypot(a, b)
+test_refuses_illegal_parameters = refusals("hypot", latency, {"Bits": 0}, {"Bits": 31})
+
+
+@pytest.mark.parametrize("pair", [(-1, 0), (0, 1 << 30)])
+def test_refuses_numbers_beyond_30_bits(pair):
+    with pytest.raises(ValueError):
+        hypot(*pair)

@@ -43,10 +43,6 @@ async def matches_model(dut, rest_rate):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`shifted_sum`",
-        "test": "tb/common/test_common_references.py::test_products_by_shifts_and_sums",
-    },
     "equivalence": {"reset": {"ties": {"enable_i": 1}, "clocks": 2}},
     # Two registers in a row: the effect of a fault must pass through both.
     "faults": {"settle": 4, "driver": {"frame": "enable_i"}},

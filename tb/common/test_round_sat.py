@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.common.round_sat import round_sat
+from harness.refusals import refusals
+from meissner.twins.common.arithmetic import round_sat
 
 SIZES = [
     (24, 16, 8, 0),
@@ -57,10 +58,6 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Fraction`",
-        "test": "tb/common/test_round_sat.py::test_model_against_fractions",
-    },
     "mutants": {"whole": True},
 }
 
@@ -80,20 +77,16 @@ def test_model_against_fractions(size):
     assert round_sat(x, *size).tolist() == [min(max(v, low), high) for v in exact]
 
 
-def test_refuses_illegal_parameters():
-    assert "DropBits = 0" in bench.refuses("round_sat", {"DropBits": 0})
-    assert "DropBits = 24" in bench.refuses("round_sat", {"DropBits": 24})
-    assert "OutWidth = 18" in bench.refuses("round_sat", {"OutWidth": 18})
-    assert "OutWidth = 17" in bench.refuses("round_sat", {"OutWidth": 17, "Unsigned": 1})
-    for size, message in (
-        ((24, 16, 0), "drop_bits = 0"),
-        ((24, 16, 24), "drop_bits = 24"),
-        ((24, 18, 8), "out_width = 18"),
-        ((24, 17, 8, True), "out_width = 17"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            round_sat(0, *size)
+test_refuses_illegal_parameters = refusals(
+    "round_sat",
+    round_sat,
+    *({"DropBits": 0}, {"DropBits": 24}, {"OutWidth": 18}, {"OutWidth": 17, "Unsigned": 1}),
+    **{"x": 0, "in_width": 24, "out_width": 16, "drop_bits": 8},
+)
+
+
+def test_refuses_numbers_beyond_the_width():
     for beyond in (1 << 23, -(1 << 23) - 1, 1 << 62, -(1 << 63)):
-        with pytest.raises(ValueError, match="24 signed bits"):
+        with pytest.raises(ValueError):
             round_sat([0, beyond], 24, 16, 8)
     assert round_sat([(1 << 23) - 1, -(1 << 23)], 24, 16, 8).tolist() == [32767, -32768]

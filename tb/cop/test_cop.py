@@ -136,11 +136,7 @@ async def survives_damage_and_resets(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "the `centre` of the forces in space, `Fraction`",
-        "test": "tb/cop/test_cop_reference.py::test_cop_is_the_centre",
-    },
-    "equivalence": {"size": {"Rows": 3}, "reset_size": {"Rows": 1}, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Rows": 3}, "reset_size": {"Rows": 1}, "boxes": True},
     "faults": {"size": {"Rows": 3}, "settle": 3},
     "icarus": {"runs": {"Lanes": 1}},
 }

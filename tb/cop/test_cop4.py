@@ -220,8 +220,7 @@ async def forgets_what_a_reset_interrupts(dut):
 
 # The block holds several samples.
 EVIDENCE = {
-    "reference": {"against": "`Fraction`", "test": "tb/cop/test_cop4.py::test_model_against_fractions"},
-    "equivalence": {"boxes": True, "open": ["reset"]},
+    "equivalence": {"boxes": True},
     "faults": {"settle": 8},
 }
 

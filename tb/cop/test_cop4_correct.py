@@ -132,10 +132,6 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Fraction`",
-        "test": "tb/cop/test_cop4_correct.py::test_model_against_fractions",
-    },
     "equivalence": {"yosys": "a product's operands have other widths as slang reads it"},
 }
 

@@ -194,7 +194,6 @@ async def clocks_are_as_stated(dut):
 
 
 EVIDENCE = {
-    "reference": {"against": "`Fraction`", "test": "tb/cop/test_cop_slip.py::test_model_against_fractions"},
     "equivalence": {
         "size": {"Lag": 4},
         "reset": {"joined": (("seen_pair", "seen_valid"), ("size_pair", "size_valid"))},

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.cop.electrodes import electrodes
+from meissner.twins.cop.cop4 import electrodes
 
 FIELDS = ["e1~", "e2~", "e3~", "e4~"]
 
@@ -109,7 +109,7 @@ def test_frames_by_hand(name):
     assert electrodes(beats) == (found, lost)
 
 
-EVIDENCE = {"reference": {"moves": "four samples side by side"}, "faults": {"settle": 2}}
+EVIDENCE = {"faults": {"settle": 2}}
 
 SPACE = lambda draw: {"SampleBits": draw.randint(2, 20)}
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from meissner.twins.common.divide import divide
-from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.cop.cop import cop_divide
 from published.recordings import find
 from reference import exact
 

@@ -29,7 +29,7 @@ from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.register_map import GROUPS
 from meissner.twins.link.registers import Registers
 from meissner.twins.link.registers import settings as all_settings
-from meissner.twins.link.uart_tx import levels
+from meissner.twins.link.uart import levels
 from parts.ad7606 import Ad7606
 from parts.mcp3208 import Mcp3208
 from parts.timing import changed
@@ -743,7 +743,7 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"defined": True, "boxes": True},
     "mutants": {"sets": [0], "limit": 100, "unsolved": True},
     "faults": {
         "program": {"Uart": 0},

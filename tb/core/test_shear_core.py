@@ -246,9 +246,9 @@ def test_the_model_of_a_hand_hears_speeds_when_the_core_does(rule):
         for channel in (0, 1)
     ]
     expected = by_loop(world, 18 * PERIOD, immediate=0, rule=int(rule == "weakest"))
-    table = build().stages["grip"]
+    table = build().features["grip"]
     reflex = replace(table.grip, immediate=False, rule=rule, period=PERIOD, watchdog=7)
-    config_ = replace(build(), stages=build().stages | {"grip": replace(table, grip=reflex)})
+    config_ = replace(build(), features=build().features | {"grip": replace(table, grip=reflex)})
     hand = hand_of(config_)
     codes = np.array([code for _, _, code in world.taken]).reshape(-1, 2)
     words = [hand.next(codes[70 * cycle : 70 * cycle + 70]).word for cycle in range(18)]

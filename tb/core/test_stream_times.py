@@ -18,7 +18,7 @@ from meissner.twins.link import packet as p
 from meissner.twins.link.cobs import encode
 from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.registers import RESET_BITS, reset_word
-from meissner.twins.sensor.sensor_array import from_reset
+from meissner.twins.sensor.sensors import from_reset
 from meissner.twins.slip.config import SlipConfig
 
 GAIN = 700

@@ -53,7 +53,7 @@ def test_a_named_configurations_netlist_says_the_same(name):
     start, frames, every = gate.SCENES[name]
     codes = codes_of(build)[start::every][:frames]
     lines = []
-    for engine_of in (rtl_core.CoreOnPins, gates.core_on_pins):
+    for engine_of in (rtl_core.CoreOnPins, gates.CoreOnPins):
         with engine_of(build, codes) as built:
             lines.append(built.run(frames * build.period_clocks))
     assert lines[0] == lines[1]

@@ -1,165 +1,46 @@
 """Scenes on twins, RTL and netlist together (tools/make/gate_scenes.py): the complete published crosstalk in
-`make test`, every scene in `make test-long`. A value, shape or result that differs is counted by engine and
-name, and a deliberately broken cell of a netlist is detected.
+`make test`, every scene in `make test-long`. A deliberately broken cell of a netlist is detected.
 """
 
 import re
-from types import SimpleNamespace
-from typing import NamedTuple
 
-import numpy as np
 import pytest
 
 import gate_scenes
 from meissner import scenes
-from meissner.engines import Watched, rtl, rtl_frontend, verilated
-from meissner.engines.features import FEATURE_OF, FEATURES
-from meissner.engines.protocol import Engine
-from meissner.engines.rtl_slip import Pins
+from meissner.engines import rtl_frontend, verilated
 
 QUICK = "capacitive_crosstalk"
-SAMPLES = 76  # carrier samples per amplitude: 12 to settle, 16 periods of 4
-
-
-class Found(NamedTuple):
-    x: np.ndarray
-    y: np.ndarray
-
-
-def watched(**changes):
-    ends = np.array([False, True])
-    given = {"p2p": np.array([[3, 7]]), "over": np.array([[False, True]]), "state": np.array([[1, 2]])}
-    return Watched(**(given | {"end": ends, "blanked": 5} | changes))
-
-
-def noted(netlist, **others):
-    compared = gate_scenes.Compared()
-    compared.note("stage", 9, netlist, others)
-    return compared
-
-
-def test_equal_answers_are_counted():
-    """Two details with three results each, two ends and one number, against two engines; then two more
-    values."""
-    compared = noted(watched(), rtl=watched(), fixed=watched())
-    assert (compared.inputs, compared.results, compared.different) == (9, 9, {})
-    compared.note("more", 4, np.array([1, 2]), {"rtl": np.array([1, 2])})
-    assert (compared.inputs, compared.results, compared.different) == (13, 11, {})
-
-
-@pytest.mark.parametrize(
-    "netlist, other, different",
-    [
-        (watched(), watched(state=np.array([[1, 3]])), {"state": 1}),
-        (watched(), watched(p2p=np.array([[4, 8]]), blanked=6), {"p2p": 2, "blanked": 1}),
-        (watched(), watched(end=np.array([False, True, False])), {"end": 3}),
-        ({"sum": np.array([1, 2]), "x": np.array([3])}, {"sum": np.array([1, 2])}, {"x": 1}),
-        ({"sum": np.array([1])}, {"sum": np.array([1]), "x": np.array([3, 4])}, {"x": 2}),
-        (Found(np.array([1]), np.array([2])), Found(np.array([1]), np.array([3])), {"y": 1}),
-        (
-            (watched(), Found(np.array([1]), np.array([2]))),
-            (watched(), Found(np.array([0]), np.array([2]))),
-            {"1.x": 1},
-        ),
-        (np.array([-1]), np.array([1]), {"result": 1}),
-    ],
-)
-def test_what_differs_is_named(netlist, other, different):
-    compared = noted(netlist, rtl=netlist, fixed=other)
-    assert compared.different == {("stage", "fixed", name): count for name, count in different.items()}
-    assert noted(netlist, rtl=other, fixed=netlist).different.keys() == {
-        ("stage", "rtl", name) for name in different
-    }
-
-
-class Core:
-    """A core whose answer depends on its setting."""
-
-    def __init__(self, *arguments):
-        self.arguments, self.told = arguments, {}
-
-    def __setitem__(self, name, value):
-        self.told[name] = value
-
-    def next(self, codes):
-        return np.full((2, 5), self.told["slip.threshold"] > 100), codes.max()
-
-
-class Deaf(Core):
-    def __setitem__(self, name, value):
-        pass
-
-    def next(self, codes):
-        return np.zeros((2, 5), dtype=bool), codes.max()
-
-
-@pytest.mark.parametrize("source, different", [(Core, {}), (Deaf, {("hand", "rtl", "0"): 10})])
-def test_a_hands_cores_advance_in_step(monkeypatch, source, different):
-    """Both cores get each setting and each cycle; a core that ignores its setting differs in its ten flags
-    alone."""
-    monkeypatch.setattr(gate_scenes, "gate_core", Core)
-    monkeypatch.setattr(gate_scenes.rtl_hand, "Core", source)
-    compared = gate_scenes.Compared()
-    pair = compared.hand(2, "slip", "grip", 100)
-    assert pair.netlist.arguments == pair.source.arguments == (2, "slip", "grip", 100)
-    pair["slip.threshold"] = 101
-    over, word = pair.next(np.array([[1, 8], [3, 4]]))
-    assert over.all() and word == 8
-    assert (compared.inputs, compared.results, compared.different) == (4, 11, different)
-
-
-def test_pins_are_compared_with_rtl_by_clocks_and_with_twins_by_decisions(monkeypatch):
-    recording = SimpleNamespace(codes=np.array([4, 9, 6, 7]), moving=np.array([False, True, False, False]))
-    asked = []
-
-    def twin(x, config, moving):
-        asked.append((x.tolist(), config, moving.tolist()))
-        return watched(blanked=4)
-
-    for module, clocks in ((gate_scenes.gate, 800), (rtl, 801)):
-        answer = Pins(watched(), {"adc": "MCP3208", "clocks": clocks})
-        monkeypatch.setattr(module, "watch_pins", lambda *_, answer=answer: answer)
-    monkeypatch.setattr(gate_scenes.fixed, "watch", twin)
-    compared = gate_scenes.Compared()
-    compared.stage("watch_pins")(recording, "config", waves=None)
-    assert asked == [([[4, 9, 6, 7]], "config", [False, True, False, False])]
-    assert (compared.inputs, compared.results) == (4, 11)  # nine of the details, two of the facts
-    assert compared.different == {
-        ("watch_pins", "rtl", "facts.clocks"): 1,
-        ("watch_pins", "fixed", "watched.blanked"): 1,
-    }
-
-
-def test_every_stage_of_an_engine_is_compared():
-    """The functions that the engine protocol lists, those of the features, and watch_pins, which only
-    Verilated engines have."""
-    listed = {name for name in vars(Engine) if not name.startswith("_")}
-    assert set(FEATURE_OF) == listed | set(FEATURES) | {"watch_pins"}
-    before = {name: gate_scenes.function("gate", name) for name in FEATURE_OF}
-    with gate_scenes.Compared().watching():
-        assert all(gate_scenes.function("gate", name) is not before[name] for name in FEATURE_OF)
-    assert all(gate_scenes.function("gate", name) is before[name] for name in FEATURE_OF)
 
 
 def same(name):
-    compared, summary = gate_scenes.compare(gate_scenes.stretch(scenes.load(name)))
-    assert compared.different == {} and summary["twin_mismatches"] == 0
-    assert compared.inputs > 0 and compared.results > 0
-    return compared, summary
+    said, summary = gate_scenes.compare(gate_scenes.stretch(scenes.load(name)))
+    assert said == []
+    return summary
 
 
 def test_a_scene_as_a_whole_is_the_same_on_all_three():
-    compared, _ = same(QUICK)
-    assert compared.inputs == SAMPLES * compared.results
+    same(QUICK)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", [name for name in scenes.names() if name != QUICK])
 def test_every_scene_is_the_same_on_all_three(name):
     """A hand's reflex must act in each of its conditions."""
-    _, summary = same(name)
+    summary = same(name)
     if scenes.load(name).sensor == "hand":
         assert all(row["tightenings"] > 0 for row in summary["conditions"])
+
+
+@pytest.mark.parametrize(
+    "netlist, count",
+    [({"twin_mismatches": 3}, 1), ({"twin_mismatches": None}, 1), ({"pins": {"clocks": 801}}, 1), ({}, 0)],
+)
+def test_what_differs_is_said(netlist, count, monkeypatch):
+    right = {"twin_mismatches": 0, "pins": {"clocks": 800}}
+    found = {"rtl": right, "gate": right | netlist}
+    monkeypatch.setattr(gate_scenes.runs, "run", lambda scene, engine, out: found[engine])
+    assert len(gate_scenes.compare(None)[0]) == count
 
 
 @pytest.fixture
@@ -188,5 +69,4 @@ def test_a_broken_cell_is_seen(broken, capsys):
     assert gate_scenes.table([QUICK])
     said = capsys.readouterr().out
     assert "DIFFERENT" in said
-    for engine in ("rtl", "fixed"):
-        assert re.search(rf"demodulate: [1-9]\d* values of result are not those of {engine}\b", said)
+    assert re.search(r"[1-9]\d* results on gate are not the twins'", said) and " on rtl " not in said

@@ -6,15 +6,7 @@ import hypothesis.strategies as st
 import mpmath
 
 from extremes.rows import row
-from meissner.twins.common import (
-    arithmetic,
-    divide,
-    exp2,
-    hypot,
-    log2,
-    ratio,
-    round_sat,
-)
+from meissner.twins.common import arithmetic, divide, exp2, hypot, log2, ratio
 from reference import exact
 
 
@@ -52,7 +44,7 @@ def round_sat_(see):
 
     def check(numbers, width, out, drop, unsigned):
         low, high = (0, 2**out - 1) if unsigned else exact.signed(out)
-        got = round_sat.round_sat(numbers, width, out, drop, unsigned).tolist()
+        got = arithmetic.round_sat(numbers, width, out, drop, unsigned).tolist()
         for x, y in zip(numbers, got):
             value = Fraction(x, 2**drop)
             place = f"{x} of {width} bits, {drop} dropped, to {out} {'unsigned' if unsigned else 'signed'}"
@@ -76,10 +68,10 @@ def round_sat_(see):
             }
         check(sorted(x for x in numbers if low <= x <= high), width, out, drop, bool(unsigned))
         if width < 63:
-            see.refused(round_sat.round_sat, high + 1, width, out, drop, bool(unsigned))
-            see.refused(round_sat.round_sat, low - 1, width, out, drop, bool(unsigned))
+            see.refused(arithmetic.round_sat, high + 1, width, out, drop, bool(unsigned))
+            see.refused(arithmetic.round_sat, low - 1, width, out, drop, bool(unsigned))
     for width, out, drop in ((8, 4, 0), (8, 4, 8), (8, 0, 2), (8, 8, 2)):
-        see.refused(round_sat.round_sat, 0, width, out, drop)
+        see.refused(arithmetic.round_sat, 0, width, out, drop)
 
     def drawn(width, share, cut, unsigned, number):
         drop = 1 + share % (width - 1)

@@ -6,7 +6,7 @@ import hypothesis.strategies as st
 import numpy as np
 
 from extremes.rows import row
-from meissner.twins.cop import cop, cop4, cop_accumulate, cop_divide, cop_slip
+from meissner.twins.cop import cop, cop4, cop_slip
 from meissner.twins.cop.cop4_correct import CorrectionRegisters, cop4_correct
 from meissner.twins.sensor.array_forces import ArrayForces
 from reference import exact
@@ -74,7 +74,7 @@ def cop_accumulate_(see):
             continue
         for kind in KINDS if m * n < 10**6 or see.long else ("full", "right half", "all but one LSB"):
             forces, *wanted = closed_form(kind, m, n)
-            got = cop_accumulate.moments(forces)
+            got = cop.moments(forces)
             for part, value, exactly in zip(("S", "Mx", "My"), got, wanted):
                 see.near(int(value), exactly, f"{part} of {m} x {n}, {kind}")
             # docs/cop.md, Widths: the room in the RTL.
@@ -87,21 +87,19 @@ def cop_accumulate_(see):
             )
     for lanes in (1, 2, 4, 8):
         for m, n in ((1, 1), (3, 5), (2, 9), (16, 15)):
-            twin, forces = cop_accumulate.CopAccumulate(m, n, lanes), closed_form("all but one LSB", m, n)[0]
+            twin, forces = cop.CopAccumulate(m, n, lanes), closed_form("all but one LSB", m, n)[0]
             padded = np.full((m, -(-n // lanes) * lanes), TOP)  # values in the extra lanes must not count
             padded[:, :n] = forces
             beats = padded.reshape(-1, lanes).tolist()
             [got] = twin.process(beats, [False] * (len(beats) - 1) + [True])
             see.all_near(got, exact.moments(forces.tolist()), [f"{m} x {n}, {lanes} lanes"] * 3)
     see.elaborates("cop_accumulate", see.covering(Rows=[1, 2, 1024], Columns=[1, 2, 1024], Lanes=[1, 2, 8]))
-    see.refused(cop_accumulate.moments, [[TOP + 1]])
-    see.refused(cop_accumulate.moments, [[-1]])
+    see.refused(cop.moments, [[TOP + 1]])
+    see.refused(cop.moments, [[-1]])
     for m, n in ((0, 1), (1, 0), (1025, 1), (1, 1025)):
-        see.refused(cop_accumulate.check_size, m, n)
+        see.refused(cop.check_size, m, n)
     see.given(
-        lambda frame: see.all_near(
-            map(int, cop_accumulate.moments(frame)), exact.moments(frame), [frame] * 3
-        ),
+        lambda frame: see.all_near(map(int, cop.moments(frame)), exact.moments(frame), [frame] * 3),
         frame=st.tuples(st.integers(1, 6), st.integers(1, 6)).flatmap(
             lambda size: st.lists(
                 st.lists(st.integers(0, TOP), min_size=size[1], max_size=size[1]),
@@ -141,13 +139,13 @@ def cop_divide_(see):
                 half = (n - 1) * total  # of an LSB: exactly between two codes, if divisible
                 cases += [(total, share * (half >> fraction + 1), share * (m > 1))]
         for least in (0, 1, 2, most):
-            got = zip(*cop_divide.cop_divide(*zip(*cases), m, n, fraction, least))
+            got = zip(*cop.cop_divide(*zip(*cases), m, n, fraction, least))
             for each, sums in zip(got, cases):
                 centre(see, each, sums, m, n, fraction, least, lambda: f"{m} x {n}, {fraction} bits, {sums}")
     sides = {"Rows": [1, 2, 1024], "Columns": [1, 2, 1024]}
     see.elaborates("cop_divide", see.covering(**sides, FractionBits=[4, 20], BitsPerClock=[1, 2]))
     for fraction in (3, 21):
-        see.refused(cop_divide.cop_divide, 1, 0, 0, 2, 2, fraction)
+        see.refused(cop.cop_divide, 1, 0, 0, 2, 2, fraction)
 
 
 @row("cop", {"x, y": "1/2 LSB"})

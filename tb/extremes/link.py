@@ -5,7 +5,7 @@ times.
 from fractions import Fraction
 
 from extremes.rows import row
-from meissner.twins.link import uart_rx, uart_tx
+from meissner.twins.link import uart
 
 BAUDS = [
     (1200, 300),
@@ -36,12 +36,12 @@ TIMES = [0, 1, 2**32 - 1, 2**32, 2**47, 2**48 - 1]
 def uart_tx_(see):
     """Mean length of a bit; the carry of sixteenths loses nothing over any number of bytes."""
     for clk, baud in BAUDS:
-        bit = Fraction(uart_tx.sixteenths(clk, baud), 16)
+        bit = Fraction(uart.sixteenths(clk, baud), 16)
         see.near(bit, Fraction(clk, baud), (clk, baud))
         data = [0x00, 0xFF, 0x55, 0xAA] * (4 if clk // baud < 1000 else 1)
         if clk // baud > 20_000:
             data = data[:1] if see.long else []
-        line, at = uart_tx.levels(data, clk, baud), 0
+        line, at = uart.levels(data, clk, baud), 0
         see.near(len(line), int(10 * len(data) * bit), (clk, baud), limit=0)
         for k, level in enumerate(
             level for byte in data for level in (0, *(byte >> p & 1 for p in range(8)), 1)
@@ -49,7 +49,7 @@ def uart_tx_(see):
             begin, at = at, int(bit * (k + 1))
             see.same(set(line[begin:at]), {level}, lambda: f"{clk} / {baud}, bit {k}")
     for bad in ((1199, 300), (12_000_000, 299), (12_000_000, 3_000_001), (400_000_001, 1_000_000)):
-        see.refused(uart_tx.sixteenths, *bad)
+        see.refused(uart.sixteenths, *bad)
 
 
 @row("uart_rx", {"": "0"})
@@ -71,7 +71,7 @@ def uart_rx_(see):
             )
             edges = [round(k * bit * (1 + off)) for k in range(len(bits) + 1)]
             line = [level for k, level in enumerate(bits) for _ in range(edges[k + 1] - edges[k])]
-            found = uart_rx.UartRx(clk, baud).process(line)
+            found = uart.UartRx(clk, baud).process(line)
             see.same(
                 [byte for _, byte in found], data, lambda: f"{clk} / {baud}, {float(100 * off):.2f} % off"
             )

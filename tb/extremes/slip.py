@@ -5,15 +5,7 @@ import mpmath
 import numpy as np
 
 from extremes.rows import row
-from meissner.twins.slip import (
-    haar,
-    peak_to_peak,
-    shear_speed,
-    sliding_extremes,
-    slip,
-    slip_path,
-    slip_serial,
-)
+from meissner.twins.slip import haar, peak_to_peak, shear_speed, slip, slip_path, slip_serial
 from meissner.twins.slip.config import SlipConfig
 from reference import exact
 from reference.shear import FAST, RISING, SATURATED, ShearReference, within
@@ -74,13 +66,13 @@ def sliding_extremes_(see):
         y = x[::-1]
         for lag in (1, 2, 16, 69, 70, 1000):
             for taps in (2, 4):
-                got = sliding_extremes.sliding_extremes(x, y, lag, taps)
+                got = peak_to_peak.sliding_extremes(x, y, lag, taps)
                 for t in range(len(x)):
                     seen = [t - k * lag for k in range(taps) if t >= k * lag]
                     see.near(got[0][t], max(x[k] for k in seen), (bits, lag, taps, t))
                     see.near(got[1][t], min(y[k] for k in seen), (bits, lag, taps, t))
     for lag, taps in ((1, 3), (1, 8), (0, 2)):
-        see.refused(sliding_extremes.sliding_extremes, [0], [0], lag, taps)
+        see.refused(peak_to_peak.sliding_extremes, [0], [0], lag, taps)
 
 
 @row("peak_to_peak", {"": "0"})

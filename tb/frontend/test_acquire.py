@@ -174,10 +174,6 @@ SINGLE = {"ClkKhz": 16_000, "SclkKhz": 2_000, "SampleBits": 13, "AdcPeriod": 1_6
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`CODES` by hand",
-        "test": "tb/frontend/test_front_references.py::test_samples_by_hand",
-    },
     "equivalence": {"boxes": True, "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o"}}},
     "faults": {"size": {"Adc": 1, "Channels": 3}, "driver": {"free": 16000, "part": 1, "late": "left_q"}},
 }

@@ -12,6 +12,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
+from harness.refusals import refusals
 from meissner.twins.frontend.adc_single import AdcSingle
 from parts.mcp3208 import Mcp3208
 
@@ -165,12 +166,7 @@ async def recovers_after_reset_in_mid_frame(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`CODES` by hand",
-        "test": "tb/frontend/test_front_references.py::test_samples_by_hand",
-    },
     "equivalence": {
-        "open": ["reset"],
         "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}},
     },
     "faults": {"settle": 3, "driver": {"free": 12000, "part": 1}},
@@ -192,20 +188,10 @@ def test_adc_single(parameters):
     bench.run("frontend", "adc_single", parameters)
 
 
-@pytest.mark.parametrize(
-    "parameters, arguments, message",
-    [
-        ({"Channel": 8}, {"channel": 8}, "hannel = 8"),
-        ({"ClkKhz": 0}, {"clk_khz": 0}, "= 0 must lie in 1 .. 400000"),
-        ({"SclkKhz": 2001}, {"sclk_khz": 2001}, "= 2001 must lie in 1 .. 2000"),
-        ({"SclkKhz": 9, "Period": 90_000}, {"sclk_khz": 9, "period": 90_000}, "= 9 is too slow"),
-        # A bit of 1092 clocks is enough, but 2048 are used.
-        ({"SclkKhz": 11, "Period": 90_000}, {"sclk_khz": 11, "period": 90_000}, "= 11 is too slow"),
-        ({"Period": 160}, {"period": 160}, "eriod = 160 must be at least 161"),
-        ({"SampleBits": 12}, {"sample_bits": 12}, "= 12 must hold a code of 12 bits"),
-    ],
+test_refuses_illegal_parameters = refusals(
+    "adc_single",
+    AdcSingle,
+    *({"Channel": 8}, {"ClkKhz": 0}, {"SclkKhz": 2001}, {"Period": 160}, {"SampleBits": 12}),
+    {"SclkKhz": 9, "Period": 90_000},
+    {"SclkKhz": 11, "Period": 90_000},  # a bit of 1092 clocks is enough, but 2048 are used
 )
-def test_refuses_illegal_parameters(parameters, arguments, message):
-    assert message in bench.refuses("adc_single", parameters)
-    with pytest.raises(ValueError, match=message):
-        AdcSingle(**arguments)

@@ -18,6 +18,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 from cocotb.utils import get_sim_time
 
 import bench
+from harness.refusals import refusals
 from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MCP3208, PARTS, AdcSpi
 from parts import ad7606, max1112x, mcp3208
 from parts.timing import TimingViolation, tightened
@@ -766,10 +767,6 @@ BUILDS = [
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`CODES` by hand",
-        "test": "tb/frontend/test_front_references.py::test_samples_by_hand",
-    },
     "equivalence": {
         "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o"}, "joined": (("state_q", "!convert_o"),)}
     },
@@ -802,46 +799,16 @@ def test_adc_spi_with_triggers(parameters):
     bench.run("frontend", "adc_spi", parameters | {"Trigger": 1}, test_filter="triggers_")
 
 
-TWIN_NAMES = {
-    "Channels": "channels",
-    "Lanes": "lanes",
-    "ClkKhz": "clk_khz",
-    "SclkKhz": "sclk_khz",
-    "SampleBits": "sample_bits",
-    "PeriodBits": "period_bits",
-}
-
-ILLEGAL = [
-    ({"Part": 0}, "Part = 0"),
-    ({"Part": 6}, "Part = 6"),
-    ({"Channels": 0}, "Channels = 0"),
-    ({"Channels": 9}, "Channels = 9"),
-    ({"Lanes": 0}, "Lanes = 0"),
-    ({"Lanes": 2}, "Lanes = 2"),
-    ({"Part": 2, "Lanes": 3}, "Lanes = 3"),
-    ({"Part": 2, "Lanes": 2, "Channels": 4}, "Lanes = 2"),
-    ({"ClkKhz": 400_001}, "ClkKhz = 400001"),
-    ({"SclkKhz": 2_001}, "SclkKhz = 2001"),
-    ({"Part": 2, "SclkKhz": 14_501}, "SclkKhz = 14501"),
-    ({"SclkKhz": 0}, "SclkKhz = 0"),
-    ({"SclkKhz": 9}, "SclkKhz = 9"),
-    ({"ClkKhz": 19}, "SclkKhz = 1000"),
-    ({"SampleBits": 12}, "SampleBits = 12"),
-    ({"Part": 2, "SampleBits": 15}, "SampleBits = 15"),
-    ({"Part": 3, "Lanes": 2}, "Lanes = 2"),
-    ({"Part": 3, "SclkKhz": 16_001}, "SclkKhz = 16001"),
-    ({"Part": 3, "SclkKhz": 150}, "SclkKhz = 150"),
-    ({"Part": 5, "SampleBits": 12}, "SampleBits = 12"),
-    ({"PeriodBits": 33}, "PeriodBits = 33"),
-]
-
-
-@pytest.mark.parametrize(("parameters", "words"), ILLEGAL, ids=lambda value: str(value)[:40])
-def test_refuses_what_cannot_work(parameters, words):
-    assert words in bench.refuses("adc_spi", parameters)
-    named = {TWIN_NAMES[name]: value for name, value in parameters.items() if name != "Part"}
-    with pytest.raises(ValueError):
-        AdcSpi(PARTS.get(parameters.get("Part", 1)), **named)
+test_refuses_illegal_parameters = refusals(
+    "adc_spi",
+    lambda part=1, **given: AdcSpi(PARTS.get(part), **given),
+    *({"Part": 0}, {"Part": 6}, {"Channels": 0}, {"Channels": 9}, {"Lanes": 0}, {"Lanes": 2}),
+    *({"ClkKhz": 400_001}, {"SclkKhz": 2_001}, {"SclkKhz": 0}, {"SclkKhz": 9}, {"SampleBits": 12}),
+    *({"Lanes": 3, "Part": 2}, {"Lanes": 2, "Part": 2, "Channels": 4}, {"SclkKhz": 14_501, "Part": 2}),
+    *({"SclkKhz": 1000, "ClkKhz": 19}, {"SampleBits": 15, "Part": 2}, {"Lanes": 2, "Part": 3}),
+    *({"SclkKhz": 16_001, "Part": 3}, {"SclkKhz": 150, "Part": 3}, {"SampleBits": 12, "Part": 5}),
+    {"PeriodBits": 33},
+)
 
 
 @pytest.mark.parametrize("part", PARTS.values(), ids=lambda part: part.name)

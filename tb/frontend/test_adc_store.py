@@ -229,10 +229,6 @@ async def meets_every_other_event(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`CODES` by hand",
-        "test": "tb/frontend/test_front_references.py::test_samples_by_hand",
-    },
     "equivalence": {"size": {"Lanes": 2}, "reset": {"ties": {"begin_i": "!in_valid_i"}}},
     "faults": {"inside": ["adc_spi", "u_store."]},
 }

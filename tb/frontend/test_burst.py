@@ -6,11 +6,11 @@ the middle.
 import random
 
 import cocotb
-import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.frontend.burst import samples, triggers
+from harness.refusals import refused
+from meissner.twins.frontend.timing import triggers
 
 
 async def watch(dut, starts, end, taken=(), lost=()):
@@ -106,10 +106,6 @@ async def a_reset_ends_the_burst(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "clocks `by_hand`",
-        "test": "tb/frontend/test_front_references.py::test_bursts_by_hand",
-    },
     "faults": {"settle": 2, "driver": {"frame": "start_i"}},
 }
 
@@ -118,12 +114,7 @@ def test_burst():
     bench.run("frontend", "burst", {"CountBits": 2, "PeriodBits": 3})
 
 
-def test_counts_what_a_measurement_takes():
-    assert samples(skip=4, periods=4, samples_per_period=4) == 20
-
-
 def test_refuses_illegal_parameters():
-    assert "CountBits = 0" in bench.refuses("burst", {"CountBits": 0})
-    assert "PeriodBits = 25" in bench.refuses("burst", {"PeriodBits": 25})
-    with pytest.raises(ValueError, match="period"):
-        triggers([0], 1, 0, 10)
+    assert "CountBits" in bench.refuses("burst", {"CountBits": 0})
+    assert "PeriodBits" in bench.refuses("burst", {"PeriodBits": 25})
+    refused(triggers, {"period": 0}, starts=[0], count=1, end=10)

@@ -9,7 +9,8 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.twins.frontend.calibration_preset import preset
+from harness.refusals import refusals
+from meissner.twins.frontend.calibrate import preset
 
 KIND = "calibrate_cfg"
 
@@ -73,10 +74,6 @@ async def writes_every_word_once_then_steps_aside(dut):
 
 # It runs once after a reset, so a fault can only damage the table.
 EVIDENCE = {
-    "reference": {
-        "against": "writes `by_hand`",
-        "test": "tb/frontend/test_front_references.py::test_a_preset_by_hand",
-    },
     "faults": {"driver": {"kept": "all"}},
 }
 
@@ -89,7 +86,6 @@ def test_calibration_preset(rows, columns, lanes, row_column):
     bench.run("frontend", "calibration_preset", sizes)
 
 
-def test_refuses_illegal_parameters():
-    assert "Lanes = 3" in bench.refuses("calibration_preset", {"Lanes": 3})
-    with pytest.raises(ValueError, match="lanes = 3"):
-        preset(2, 2, 3, 1)
+test_refuses_illegal_parameters = refusals(
+    "calibration_preset", preset, {"Lanes": 3}, rows=2, columns=2, gain=1
+)

@@ -5,14 +5,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from meissner.twins.frontend import adc_store, burst
+from meissner.twins.frontend import adc_store, timing
 from meissner.twins.frontend.acquire import Acquire
 from meissner.twins.frontend.adc_single import AdcSingle
 from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11124, MAX11125, MCP3208, AdcSpi
 from meissner.twins.frontend.am_demod import references
-from meissner.twins.frontend.calibration_preset import preset
+from meissner.twins.frontend.calibrate import preset
 from meissner.twins.frontend.scan_plan import ScanPlan, Settings
-from meissner.twins.frontend.time_stamp import time_stamps
+from meissner.twins.frontend.timing import time_stamps
 
 CODES = {  # code: (sample, over-range), by docs/adc.md
     MCP3208: {0: (0, 1), 1: (1, 0), 2047: (2047, 0), 2048: (2048, 0), 4094: (4094, 0), 4095: (4095, 1)},
@@ -42,12 +42,12 @@ def test_samples_by_hand(part):
 
 def test_bursts_by_hand():
     """The first trigger is a clock after the start; a start ends a running burst from the next clock on."""
-    assert burst.triggers([10], 3, 5, 100) == [11, 16, 21]
-    assert burst.triggers([10], 3, 5, 21) == [11, 16]
-    assert burst.triggers([10, 16], 3, 5, 100) == [11, 16, 17, 22, 27]
-    assert burst.triggers([10, 15], 3, 5, 100) == [11, 16, 21, 26]
-    assert burst.triggers([10], 1, 9, 100) == [11]
-    assert burst.samples(skip=3, periods=5, samples_per_period=8) == 43
+    assert timing.triggers([10], 3, 5, 100) == [11, 16, 21]
+    assert timing.triggers([10], 3, 5, 21) == [11, 16]
+    assert timing.triggers([10, 16], 3, 5, 100) == [11, 16, 17, 22, 27]
+    assert timing.triggers([10, 15], 3, 5, 100) == [11, 16, 21, 26]
+    assert timing.triggers([10], 1, 9, 100) == [11]
+    assert timing.samples(skip=3, periods=5, samples_per_period=8) == 43
 
 
 def test_time_stamps_by_hand():

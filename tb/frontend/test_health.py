@@ -12,6 +12,7 @@ from cocotb.triggers import FallingEdge, Timer
 
 import bench
 import members
+from harness.refusals import refusals, refused
 from meissner.twins.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
 
 FIELDS = ["data", "mask", "id", "fits", "row_last", "last"]
@@ -349,11 +350,7 @@ async def clocks_are_as_stated(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`HealthReference`",
-        "test": "tb/frontend/test_health_reference.py::test_the_twin_is_the_loop_s",
-    },
-    "equivalence": {"size": {"Columns": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Columns": 3}, "defined": True, "boxes": True},
     "faults": {
         "size": {"Rows": 3, "Columns": 3},
         "settle": 40,
@@ -508,12 +505,10 @@ def test_model_in_frames_and_beats():
     assert events == [event for frame in whole_events for event in frame] != []
 
 
-def test_refuses_illegal_parameters():
-    for name, value in {"Rows": 0, "Columns": 1025, "Lanes": 3, "SampleBits": 19}.items():
-        assert f"{name} = {value}" in bench.refuses("health", {name: value})
-    with pytest.raises(ValueError, match="lanes = 3"):
-        Health(2, 2, 3)
-    with pytest.raises(ValueError, match="sample_bits = 19"):
-        Health(2, 2, 1, 19)
-    with pytest.raises(ValueError, match="still = 256"):
-        Limits(still=256)
+test_refuses_illegal_parameters = refusals(
+    "health", Health, *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 3}, {"SampleBits": 19}), rows=2, columns=2
+)
+
+
+def test_refuses_limits_beyond_a_register():
+    refused(Limits, {"still": 256})

@@ -179,12 +179,7 @@ async def matches_model(dut):
             await bench.RisingEdge(dut.clk_i)
 
 
-EVIDENCE = {
-    "reference": {
-        "against": "`plain`",
-        "test": "tb/frontend/test_health_taxel.py::test_model_against_a_plain_loop",
-    },
-}
+EVIDENCE = {}
 
 
 @pytest.mark.parametrize("bits", [17, 6])

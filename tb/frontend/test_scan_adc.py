@@ -337,8 +337,7 @@ BUILDS = [
 
 
 EVIDENCE = {
-    "reference": {"joins": "scan, adc_spi; clock counts checked at the pins, by part models"},
-    "equivalence": {"size": {"Rows": 3, "Columns": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Rows": 3, "Columns": 3}, "defined": True, "boxes": True},
     "faults": {
         "size": {"Rows": 3, "Columns": 3},
         "driver": {

@@ -65,7 +65,6 @@ async def words_match_the_model(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "bits of a word; the part models check its clocks"},
     "equivalence": {"reset": {"qualifiers": {"spi_mosi_o": "!spi_cs_n_o", "data_o": "done_o word_o"}}},
     "faults": {"settle": 2, "driver": {"frame": "start_i", "strobe": "word_o", "repeat": 4}},
 }

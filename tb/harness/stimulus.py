@@ -5,7 +5,7 @@ import random
 
 import numpy as np
 
-from meissner.twins.common.frame_marker import FrameMarker
+from meissner.twins.common.frames import FrameMarker
 
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 

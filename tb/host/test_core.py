@@ -26,8 +26,7 @@ from meissner.host.simulated import (
 )
 from meissner.twins.link import bridge, cobs
 from meissner.twins.link import packet as p
-from meissner.twins.link.uart_rx import UartRx
-from meissner.twins.link.uart_tx import levels
+from meissner.twins.link.uart import UartRx, levels
 from meissner.twins.slip.slip import State
 
 QUICK = {"timeout_s": 0.05, "retries": 1}
@@ -296,8 +295,8 @@ def test_a_threshold_in_volts_is_exact(level):
         assert known.detail_code(volts * (1 - 1e-9)) == code - 1
 
 
-OWN = f"{names.VERSION['major']}.{names.VERSION['minor']}"
-OTHERS = [(0, names.VERSION["minor"] - 1), (0, names.VERSION["minor"] + 1), (1, 0), (65535, 255)]
+MINOR = names.CONSTANTS["core.version.minor"]
+OTHERS = [(0, MINOR - 1), (0, MINOR + 1), (1, 0), (65535, 255)]
 
 
 @pytest.mark.parametrize("version", OTHERS)
@@ -318,7 +317,7 @@ def test_another_version_is_refused(version, monkeypatch):
 def test_a_newer_minor_is_taken_from_major_1_on(monkeypatch):
     model = simulated()
     access = model.registers.access
-    monkeypatch.setitem(names.VERSION, "major", 1)
+    monkeypatch.setitem(names.CONSTANTS, "core.version.major", 1)
 
     def newer(write, address, *rest, **more):
         data, *left = access(write, address, *rest, **more)
@@ -329,7 +328,7 @@ def test_a_newer_minor_is_taken_from_major_1_on(monkeypatch):
 
 
 def test_another_patch_is_taken(monkeypatch):
-    monkeypatch.setitem(names.VERSION, "patch", 9)
+    monkeypatch.setitem(names.CONSTANTS, "core.version.patch", 9)
     assert connected(simulated())["core.id"]
 
 

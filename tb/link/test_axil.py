@@ -156,9 +156,7 @@ async def a_reset_in_the_middle_leaves_no_answer_behind(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "accesses to the registers"},
     "equivalence": {
-        "open": ["reset"],
         "reset": {
             "qualifiers": {
                 "s_axil_bresp": "s_axil_bvalid",

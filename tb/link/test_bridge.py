@@ -275,10 +275,6 @@ async def recovers_after_reset(dut):
 
 # A zero before and after each command.
 EVIDENCE = {
-    "reference": {
-        "against": "bytes by hand, `zlib`",
-        "test": "tb/link/test_packet_reference.py::test_a_command_by_hand",
-    },
     "faults": {"settle": 4, "driver": {"frame": "in_data_i:0", "when": "in_valid_i", "bus": 1}},
 }
 

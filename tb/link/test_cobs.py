@@ -70,7 +70,6 @@ async def recovers_after_reset(dut):
 
 
 EVIDENCE = {
-    "reference": {"against": "`plain_cobs`", "test": "tb/link/test_cobs.py::test_model_against_plain_cobs"},
     "faults": {"driver": {"end": 0}},
 }
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.image_chunks import ImageChunks, cut
+from meissner.twins.link.images import ImageChunks, cut
 
 
 def sizes(dut):
@@ -252,11 +252,7 @@ async def images_are_numbered_modulo_256(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`taxel_by_taxel`, a plain loop, and `BY_HAND`",
-        "test": "tb/link/test_image_chunks.py::test_model_against_a_plain_loop",
-    },
-    "equivalence": {"size": {"Taxels": 9}, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Taxels": 9}, "boxes": True},
     "faults": {"inside": ["packet", "u_chunks."]},
     # Not the sizes with an image shorter than a chunk: there the count of a chunk's taxels decides nothing.
     "mutants": {"sets": [2, 4]},

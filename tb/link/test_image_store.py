@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.image_store import ImageStore
+from meissner.twins.link.images import ImageStore
 
 
 def beats_of(rng, taxels, images, damage):
@@ -187,10 +187,8 @@ async def an_image_begins_as_the_reader_ends(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "taxels of the newest image"},
     "equivalence": {
         "size": {"Taxels": 9},
-        "open": ["reset"],
         "reset": {"since": {"read_data_o": "read_valid_o"}},
     },
     "faults": {

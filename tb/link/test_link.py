@@ -16,7 +16,7 @@ from link.test_bridge import Registers
 from meissner.twins.link import packet as p
 from meissner.twins.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, command
 from meissner.twins.link.link import line_of, packets_of
-from meissner.twins.link.uart_tx import levels
+from meissner.twins.link.uart import levels
 
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
 TIME = 0xFEDC_BA98_7654
@@ -335,8 +335,7 @@ async def the_small_link_sends_an_event_alone(dut):
 
 
 EVIDENCE = {
-    "reference": {"joins": "packet, cobs, uart_tx, uart_rx, bridge"},
-    "equivalence": {"boxes": True, "yosys": "slang joins a port of msn_bridge otherwise", "open": ["reset"]},
+    "equivalence": {"boxes": True, "yosys": "slang joins a port of msn_bridge otherwise"},
     "faults": {
         "size": {"Uart": 0},
         "settle": 8,

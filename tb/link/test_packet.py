@@ -440,11 +440,7 @@ BUILDS = [
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "bytes by hand, `zlib`",
-        "test": "tb/link/test_packet_reference.py::test_packets_by_hand",
-    },
-    "equivalence": {"size": {"Taxels": 9}, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Taxels": 9}, "boxes": True},
     "faults": {
         # Events and images are queued.
         "settle": 8,

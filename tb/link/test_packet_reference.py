@@ -8,7 +8,7 @@ import pytest
 from meissner.twins.link import bridge, packet
 from meissner.twins.link.cobs import decode, encode, stuff
 from meissner.twins.link.decoder import Decoder
-from meissner.twins.link.packet_slip import packets
+from meissner.twins.link.packet import packets
 
 
 def with_crc(text):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.packet_slip import packets
+from meissner.twins.link.packet import packets
 
 
 class Line:
@@ -226,11 +226,6 @@ async def a_convert_around_an_event(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "bytes by hand, `zlib`",
-        "test": "tb/link/test_packet_reference.py::test_slip_packets_by_hand",
-    },
-    "equivalence": {"open": ["reset"]},
     "faults": {"driver": {"packets": 1, "join": 1, "rows": 20000}},
 }
 

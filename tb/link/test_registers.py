@@ -290,9 +290,7 @@ async def what_meets_in_one_clock(dut):
 
 
 EVIDENCE = {
-    "reference": {"moves": "settings, as `rtl/registers.rdl` describes them"},
     "equivalence": {
-        "open": ["reset"],
         "reset": {"qualifiers": {"bus_rdata_o": "bus_done_o", "bus_error_o": "bus_done_o"}},
     },
     "faults": {"keeps_settings": True},

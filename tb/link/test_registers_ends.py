@@ -159,5 +159,5 @@ def test_widths_that_the_map_has_not_are_refused(name, bits):
     assert f"{name.capitalize()}Bits = {bits}" in bench.refuses(
         "registers", {f"{name.capitalize()}Bits": bits}
     )
-    with pytest.raises(ValueError, match=f"{bits} bits"):
+    with pytest.raises(ValueError, match=f"{name} = {bits}"):
         Registers(widths={name: bits})

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.uart_rx import UartRx
-from meissner.twins.link.uart_tx import sixteenths
+from meissner.twins.link.uart import UartRx, sixteenths
 from reference.uart_cases import READS, cases, low_from_the_reset_on
 from reference.uart_rx import receive
 
@@ -90,10 +89,6 @@ async def recovers_after_reset(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`receive`",
-        "test": "tb/link/test_uart_rx.py::test_the_model_hears_what_the_loop_hears",
-    },
     "equivalence": {"reset": {"clocks": 3, "held": 3}},
     # The parameter sets with few clocks a bit.
     "mutants": {"sets": [1, 3]},

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.twins.link.uart_tx import levels, sixteenths
+from meissner.twins.link.uart import levels, sixteenths
 
 RATES = [(12_000_000, 3_000_000), (25_000_000, 3_000_000), (48_000_000, 921_600), (12_000_000, 1_000_000)]
 
@@ -39,9 +39,7 @@ def edges_of(data, clk_hz, baud_hz):
     return [level for level, begin, end in zip(bits, [0, *ends], ends) for _ in range(end - begin)]
 
 
-EVIDENCE = {
-    "reference": {"against": "`Fraction`", "test": "tb/link/test_uart_tx.py::test_model_against_fractions"},
-}
+EVIDENCE = {}
 
 
 @pytest.mark.parametrize("rate", [*RATES, (11_000_000, 2_000_000), (100_000_000, 115_200)])

@@ -144,8 +144,8 @@ def test_footprints_have_the_area_of_their_outlines(shape):
     x, y, area = footprints.points(shape)
     assert np.abs(np.stack([x, y])).max() < 8
     pieces = footprints.SHAPES[shape]
-    bars = [p[3] * p[4] for p in pieces if p[0] == "bar"]
-    rings = [np.pi / 4 * (p[3] ** 2 - p[4] ** 2) for p in pieces if p[0] == "ring"]
+    bars = [p[3][0] * p[3][1] for p in pieces if p[0] == "bar"]
+    rings = [np.pi / 4 * (p[3][0] ** 2 - p[3][1] ** 2) for p in pieces if p[0] == "ring"]
     assert area.sum() == pytest.approx(sum(bars) + sum(rings), rel=0.05)
     for line in footprints.outlines(shape):
         assert line[0] == pytest.approx(line[-1])

@@ -9,6 +9,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import scenes
 from meissner.engines import fixed
@@ -21,7 +22,7 @@ RATE = 10_000
 def grip(seed=3, **options):
     """A run of grip_slip's plain condition with these options."""
     scene = scenes.load("grip_slip")
-    plain = dataclasses.replace(scene.condition("plain"), **options)
+    plain = structs.replace(scene.condition("plain"), **options)
     return scenes.simulate(dataclasses.replace(scene, conditions=(plain,)), 0, seed)
 
 
@@ -64,7 +65,7 @@ def test_vc_recovers_as_far_as_the_condition_says():
     scene = scenes.load("acrylic_slip")
     runs = []
     for recovers in (1.0, 0.4):
-        condition = dataclasses.replace(scene.conditions[0], recovers=recovers)
+        condition = structs.replace(scene.conditions[0], recovers=recovers)
         runs.append(scenes.simulate(dataclasses.replace(scene, conditions=(condition,)), 0, 3))
     late = np.abs(runs[0].time_s - runs[0].gross_s - 1.0) < 0.02
     held = (runs[0].time_s > 1.0) & (runs[0].time_s < 1.3)
@@ -110,7 +111,7 @@ def test_hysteresis_is_a_loop_of_vc_over_force():
     """Below the peak by more than a factor e, the rubber shows e^0.1 = 1.10517 times the force; rising, the
     force."""
     scene = scenes.load("normal_force")
-    looped = dataclasses.replace(scene.condition("load 4 N"), hysteresis=0.1)
+    looped = structs.replace(scene.condition("load 4 N"), hysteresis=0.1)
     run = scenes.simulate(dataclasses.replace(scene, conditions=(looped,)), 0, 3)
     plain = scenes.simulate(dataclasses.replace(scene, conditions=(scene.condition("load 4 N"),)), 0, 3)
     assert np.array_equal(run.normal_n, plain.normal_n)

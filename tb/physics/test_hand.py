@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec import structs
 from scipy.integrate import solve_ivp
 
 from meissner import names, scenes
@@ -298,7 +299,7 @@ def test_windows_are_counted_as_the_reflex_counts_decisions(block):
 
 def short(name="grip_pour", seconds=3.0, **changes):
     scene = scenes.load(name)
-    condition = replace(scene.conditions[0], duration_s=seconds, **changes)
+    condition = structs.replace(scene.conditions[0], duration_s=seconds, **changes)
     world = scene.world | {"pour_start_s": 0.2, "hold_from_s": 1.0}
     return replace(scene, conditions=(condition,), world=world)
 
@@ -338,7 +339,7 @@ def test_float_and_fixed_hold_alike():
 def test_a_verilated_core_holds_as_the_twins_do(name, number, changes):
     """Word for word; each scene, shortened, with events that the reflex must answer."""
     scene = scenes.load(name)
-    condition = replace(scene.conditions[number], duration_s=1.6, **changes)
+    condition = structs.replace(scene.conditions[number], duration_s=1.6, **changes)
     world = scene.world | {"pour_start_s": 0.1, "hold_from_s": 0.1}
     world |= {"tugs": [(0.2, 0.4, 0.8)]} if world["tugs"] else {}
     grip = scene.grip | ({"guard_s": 0.3} if "guard_s" in scene.grip else {})  # calm before the end
@@ -417,7 +418,7 @@ def test_the_threshold_is_a_share_of_what_an_event_makes_in_volts():
     scene = scenes.load("grip_pour")
     scene = replace(scene, slip=scene.slip | {"threshold_p2p_share": 0.0176})
     vc_v = np.array([1.0, 1.75, 2.5, 4.99])
-    free, fixed = scene.conditions[0], replace(scene.conditions[0], threshold_p2p_v=0.02)
+    free, fixed = scene.conditions[0], structs.replace(scene.conditions[0], threshold_p2p_v=0.02)
     assert [scene.threshold_p2p_v(free, v) for v in vc_v[:3]] == pytest.approx([0.01408, 0.02002, 0.022])
     assert scene.threshold(free, vc_v).tolist() == [16, 23, 25, 1]
     assert scene.threshold(fixed, vc_v).tolist() == [23] * 4
@@ -446,7 +447,7 @@ def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():
     never_calm = scene.grip | {"calm_share": 0.0}
     scene = replace(scene, world=scene.world | {"hold_from_s": 0.5}, grip=never_calm)
     for number, counts, cycles in ((0, 2, 100), (2, 1, 1000)):
-        condition = replace(scene.conditions[number], duration_s=1.0, threshold_p2p_v=5.0)
+        condition = structs.replace(scene.conditions[number], duration_s=1.0, threshold_p2p_v=5.0)
         alone = replace(scene, conditions=(condition,))
         trace = loop.hold(alone, condition, [2], (loop.FixedSlip, Grip)).trace
         assert set(np.diff(trace.command)) == {-counts} and len(trace.command) == cycles

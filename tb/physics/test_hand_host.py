@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import run as runs
 from meissner import scenes
@@ -66,7 +67,7 @@ def test_a_scene_without_a_share_and_a_condition_with_a_step_keep_their_own(with
     grip = {key: value for key, value in scene.grip.items() if key != without}
     scene = replace(scene, grip=grip | {"rule": "any"})
     reflexes = Written()
-    ours = host.Host(scene, replace(scene.conditions[0], **changes), reflexes, np.array([3.0]))
+    ours = host.Host(scene, structs.replace(scene.conditions[0], **changes), reflexes, np.array([3.0]))
     for cycle in range(500):
         ours.write(cycle)
         ours.read(np.array([3.0]), np.array([20000]))
@@ -91,7 +92,7 @@ def test_tightenings_are_cycles_and_not_fingers_or_windows():
     """Seven cycles, which contain nine or more windows of 32 details per finger; no patch slips, so all are
     false."""
     scene = scenes.load("grip_release")
-    condition = replace(scene.conditions[0], duration_s=0.5, step_mm=0.0, decay_mm_s=0.0)
+    condition = structs.replace(scene.conditions[0], duration_s=0.5, step_mm=0.0, decay_mm_s=0.0)
     scene = replace(scene, conditions=(condition,), world=scene.world | {"hold_from_s": 0.1})
     held = loop.hold(scene, condition, [1], (Scripted, Grip))
     assert held.tightenings.tolist() == [7] and held.false_tightenings.tolist() == [7]

@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import scenes
 from meissner.report import page as report
@@ -166,7 +167,7 @@ class Page(HTMLParser):
 
 
 def _brief(condition):
-    return dataclasses.replace(condition, duration_s=4.0)
+    return structs.replace(condition, duration_s=4.0)
 
 
 def written(scene, out):

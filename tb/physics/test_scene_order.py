@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from meissner import run, scenes
 from meissner.physics import rubber
@@ -29,7 +30,7 @@ def results(name, engine, out, conditions):
     if getattr(one, "conditions", ()):
         one = replace(one, conditions=one.conditions[:conditions])
     if one.sensor == "hand":
-        brief = (replace(one.conditions[0], duration_s=2.0),)
+        brief = (structs.replace(one.conditions[0], duration_s=2.0),)
         one = replace(one, world=one.world | HAND, conditions=brief)
     if hasattr(one, "seeds"):
         one = replace(one, seeds=1)

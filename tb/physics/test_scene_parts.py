@@ -134,14 +134,15 @@ def test_scene_check_says_why(capsys, tmp_path):
         assert code == 2 and words in out.err and out.err.count("\n") == 1
 
 
-# What a scene may import of physics and twins, a folder with all in it; in every scene: slip.config, common.
+# What a scene may import of physics and twins, a folder with all in it; and EVERY.
+EVERY = ("slip.config", "common", "shared")
 _MESH = "mesh mesh_loads cop4_config cop4_registers / cop.cop4 cop.cop4_correct"
 _SLIP = "slip.haar slip.peak_to_peak slip.slip slip.slip_path"
-_TAXELS = "mesh_loads patches plantar / cop.cop_accumulate cop.cop_divide"
+_TAXELS = "mesh_loads patches plantar / cop.cop"
 IMPORTS = {
     "acrylic_slip": f"rubber plate disturbances / {_SLIP}",
     "shear_amount": f"rubber plate disturbances / {_SLIP}",
-    "grip_pour": f"rubber plate hand slide stepped / {_SLIP} actuate.grip actuate.finger_health",
+    "grip_pour": f"rubber plate hand slide stepped / {_SLIP} actuate",
     "cop_two_point": _MESH,
     "cop_slip": f"grip plate rubber {_MESH} cop.cop_slip",
     "walk_25x5": _TAXELS,
@@ -151,12 +152,13 @@ IMPORTS = {
 RUN = """
 import sys, tempfile
 from dataclasses import replace
+from msgspec import structs
 from meissner import run, scenes
 one = scenes.load(sys.argv[1])
 if hasattr(one, "seeds"):
     one = replace(one, seeds=1)
 if one.sensor == "hand":
-    one = replace(one, conditions=(replace(one.conditions[0], duration_s=0.5),))
+    one = replace(one, conditions=(structs.replace(one.conditions[0], duration_s=0.5),))
     one = replace(one, world=one.world | {"hold_from_s": 0.0})
 with tempfile.TemporaryDirectory() as out:
     run.run(one, sys.argv[2], out)
@@ -174,7 +176,10 @@ def test_a_scene_imports_only_what_it_runs(name, engine):
 
     physics, twins = (part.split() for part in IMPORTS[name].split("/"))
     allowed = [*(f"physics.{part}" for part in ("adc", *physics)), "engines.features", "engines.protocol"]
-    allowed += [*(f"twins.{part}" for part in ("slip.config", "common", *twins)), f"engines.{engine}"]
+    allowed += [
+        *(f"twins.{part}" for part in (*EVERY, *twins)),
+        f"engines.{engine}",
+    ]
     assert not [
         module
         for module in found

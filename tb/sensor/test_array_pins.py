@@ -21,7 +21,7 @@ from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
-from meissner.twins.sensor.sensor_array import Array
+from meissner.twins.sensor.sensors import Array
 from parts.ad7606 import Ad7606
 from parts.carrier import CarrierMatrix
 from parts.max1112x import Max1112x

@@ -164,7 +164,6 @@ async def latency_is_one_clock_a_level(dut):
 
 
 EVIDENCE = {
-    "reference": {"against": "`pywt`", "test": "tb/slip/test_haar.py::test_model_against_pywavelets"},
     "equivalence": {"size": {"Channels": 3}, "reset_size": {"Channels": 1, "Mask": 1}},
     "mutants": {"whole": True},
     "faults": {"size": {"Level": 2, "Mask": 0}, "settle": 8, "driver": {"phases": 8}},

@@ -129,10 +129,6 @@ async def latency_is_as_stated(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "SciPy's `maximum_filter1d`",
-        "test": "tb/slip/test_peak_to_peak.py::test_sliding_model_against_scipy",
-    },
     "equivalence": {
         "size": {"Channels": 3, "Hop": 4},
         "reset_size": {"Channels": 1, "Span": 32, "Hop": 32},

@@ -507,10 +507,6 @@ async def forgets_what_a_reset_or_a_restart_interrupts(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Loop`, of the loop in tb/reference/shear.py, written from docs/shear_speed.md",
-        "test": "tb/slip/test_shear_speeds.py::test_model_against_the_loop",
-    },
     "equivalence": {
         "boxes": True,
         "size": {

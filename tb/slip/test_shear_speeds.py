@@ -467,11 +467,7 @@ async def without_it_samples_pass_in_their_clock(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`Loop`, of the loop in tb/reference/shear.py, written from docs/shear_speed.md",
-        "test": "tb/slip/test_shear_speeds.py::test_model_against_the_loop",
-    },
-    "equivalence": {"size": {"Channels": 3}, "boxes": True, "open": ["reset"]},
+    "equivalence": {"size": {"Channels": 3}, "boxes": True},
     "mutants": {"unsolved": True},
     "faults": {
         "none": "instances, wires and counters; the estimator's own upsets are those of msn_shear_speed"

@@ -354,10 +354,6 @@ async def timers_end_on_time_with_every_bit(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`SlipReference`",
-        "test": "tb/slip/test_slip_reference.py::test_the_twin_does_what_the_loop_does",
-    },
     "equivalence": {
         "size": {"Channels": 6},
         "reset_size": {"Channels": 1},

@@ -13,8 +13,7 @@ from cocotb.triggers import ReadOnly, RisingEdge
 import bench
 import members
 from meissner.twins.slip.config import SlipConfig
-from meissner.twins.slip.slip_chain import slip_chain
-from meissner.twins.slip.slip_flags import slip_flags
+from meissner.twins.slip.slip_path import slip_chain, slip_flags
 from slip.test_slip_path import beats_of, recording
 
 SETTINGS = {"threshold": 60, "gross_threshold": 110, "contact_level": 200, "release_level": -100}
@@ -179,9 +178,7 @@ async def passes_on_the_decisions_about_a_centre_of_pressure(dut):
 PATH = {"Window": 16, "Hop": 8, "Level": 1}
 
 
-EVIDENCE = {
-    "reference": {"joins": "skid, slip_path, slip_flags"},
-}
+EVIDENCE = {}
 
 
 @pytest.mark.parametrize(

@@ -216,11 +216,7 @@ async def recovers_after_reset_in_mid_frame(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`SlipPathReference`",
-        "test": "tb/slip/test_slip_reference.py::test_the_path_is_the_loop_s",
-    },
-    "equivalence": {"boxes": True, "open": ["reset"]},
+    "equivalence": {"boxes": True},
     "faults": {
         "size": {"Channels": 3, "Window": 16},
         "short": {"TimerBits": 5},

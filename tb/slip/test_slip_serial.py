@@ -307,12 +307,8 @@ async def takes_as_long_as_the_twin_says(dut):
 
 
 EVIDENCE = {
-    "reference": {
-        "against": "`SlipPathReference`",
-        "test": "tb/slip/test_slip_reference.py::test_the_path_is_the_loop_s",
-    },
     # Its memory asks for block RAM.
-    "equivalence": {"defined": True, "open": ["reset"]},
+    "equivalence": {"defined": True},
     "faults": {"size": {"Window": 8, "TimerBits": 3}, "settle": 60, "driver": {"phases": 8}},
 }
 

@@ -1,4 +1,4 @@
-"""The sweep's machinery on a toy axis: workers and their death, interrupts, files on disk, Dask."""
+"""The sweep's machinery on a toy axis: processes, interrupts, files on disk, Dask."""
 
 import json
 import os
@@ -7,13 +7,12 @@ import subprocess
 import sys
 import time
 import types
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import Future
+from contextlib import nullcontext
 
 import pytest
 
-from meissner.tradeoff import store, sweep
-from meissner.tradeoff.cluster import Cluster
-from meissner.tradeoff.pool import Pool, Task, _Waiting
+from meissner.tradeoff import store, sweep, worker
 from tradeoff import toy
 
 CLI = """
@@ -64,37 +63,13 @@ def test_one_worker_and_two_write_the_same_bytes(tmp_path):
     assert sorted(toy.log()) == sorted([*range(24)] * 2)
 
 
-def test_a_worker_that_dies_loses_its_running_point_only(tmp_path):
-    clean = swept(tmp_path / "a")
-    (tmp_path / "log").unlink()
+def test_a_process_that_dies_is_reported_and_loses_no_finished_point(tmp_path):
     (tmp_path / "die_once").write_text("11")
-    assert swept(tmp_path / "b") == clean
+    with pytest.raises(ValueError, match=r"points failed; the first: BrokenProcessPool"):
+        swept(tmp_path / "a", 1)
+    assert len(list((tmp_path / "a/points/toy").glob("*.json"))) == 11
+    swept(tmp_path / "a")
     assert sorted(toy.log()) == sorted([*range(24), 11])
-
-
-def test_a_worker_that_is_killed_from_outside(tmp_path):
-    """The process of one of two workers is killed while both work."""
-    os.environ["TOY_SECONDS"] = "0.02"
-    try:
-        pool, found, killed = Pool(2), [], None
-        for task, answer in pool.run(sweep.tasks_of(toy.AXES[0])):
-            found.append((task.point["number"], answer["found"]["cost"]["price"]))
-            if len(found) == 6:
-                killed = pool.processes[0].pid
-                os.kill(killed, signal.SIGKILL)
-    finally:
-        del os.environ["TOY_SECONDS"]
-    assert sorted(found) == [(number, number % 7) for number in range(24)]
-    assert pool.died == 1 and pool.processes[0].pid != killed
-    assert 24 <= len(toy.log()) <= 25
-
-
-def test_a_point_that_always_ends_its_process_is_named(tmp_path):
-    (tmp_path / "die_always").write_text("2")
-    with pytest.raises(ValueError, match=r"3 times; .*=2$"):
-        swept(tmp_path / "a")
-    assert toy.log().count(2) == 3
-    assert len(json.loads((tmp_path / "a/results.json").read_text())["toy"]["points"]) == 23
 
 
 def test_a_point_that_fails_is_named_and_measured_again(tmp_path):
@@ -143,34 +118,12 @@ def test_an_interrupted_sweep_goes_on(tmp_path, how):
     assert begun_points <= there + 2, "those that ran, and no more"
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_an_interrupt_in_a_finalizer_is_not_lost(monkeypatch):
-    """Python drops an exception that is raised there; a later answer raises it, long before the last one.
-    After the sweep the signal has its usual handler."""
-    monkeypatch.setenv("TOY_SECONDS", "0.05")
-
-    class Finalized:
-        def __del__(self):
-            signal.raise_signal(signal.SIGINT)
-
-    usual = signal.getsignal(signal.SIGINT)
-    answers = Pool(1).run(sweep.tasks_of(toy.AXES[0]))
-    next(answers)
-    one = Finalized()
-    del one
-    with pytest.raises(KeyboardInterrupt):
-        for _ in answers:
-            pass
-    assert signal.getsignal(signal.SIGINT) is usual
-
-
 def test_what_was_being_written_is_no_point(tmp_path):
     clean = swept(tmp_path / "a")
     folder = tmp_path / "a/points/toy"
     files = sorted(folder.glob("*.json"))
     files[0].write_text(files[0].read_text()[:30])
     files[1].unlink()
-    (folder / f".{files[1].name}.abc").write_text("{")
     (tmp_path / "log").unlink()
     assert swept(tmp_path / "a") == clean
     assert len(toy.log()) == 2
@@ -189,50 +142,45 @@ def test_points_of_other_sources_are_measured_again(tmp_path, monkeypatch):
     assert len(toy.log()) == 48
 
 
-def test_tasks_of_a_group_stay_with_one_process():
-    tasks = [Task("m", "a", {"n": n}, (n % 3,)) for n in range(9)]
-    waiting = _Waiting(tasks)
-    first, group = waiting.next(None)
-    other, another = waiting.next(None)
-    assert (first, other) == (0, 1) and group != another
-    assert [waiting.next(group)[0] for _ in range(2)] == [3, 6]
-    assert waiting.next(group)[0] == 2, "a group that nobody has yet"
+def test_points_of_a_group_go_to_one_process():
+    """Numbers with one remainder are one job."""
+    submitted = []
+
+    class Here:
+        def submit(self, function, where, name, points):
+            submitted.append([point["number"] for point in points])
+            done = Future()
+            done.set_result(function(where, name, points))
+            return done
+
+    tasks = [sweep.Task("tradeoff.toy", "toy", {"number": n}, (n % 3,)) for n in range(7)]
+    found = list(sweep.measured(tasks, nullcontext(Here())))
+    assert submitted == [[0, 3, 6], [1, 4], [2, 5]]
+    found = {task.point["number"]: answer["found"]["cost"]["price"] for task, answer in found}
+    assert found == {n: n for n in range(7)}
 
 
-class Client:
-    """The part of Dask's client that is used: submitted work returns in any order."""
-
-    def __init__(self, address, timeout):
-        if address != "tcp://here:8786":
-            raise OSError("nobody there")
-        self.pool, self.out = ThreadPoolExecutor(2), []
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.pool.shutdown()
-
-    def submit(self, function, *arguments, pure):
-        assert pure is False
-        self.out = [future for future in self.out if not future.done()]
-        self.out.append(self.pool.submit(function, *arguments))
-        assert len(self.out) <= 4, "two of each thread"
-        return self.out[-1]
-
-    def ncores(self):
-        return {"tcp://a:1": 1, "tcp://b:1": 1}
-
-
-def test_through_a_scheduler(tmp_path, monkeypatch):
+def test_without_a_scheduler_or_dask_it_says_so(monkeypatch):
     stub = types.ModuleType("dask.distributed")
-    stub.Client, stub.wait = Client, wait
     monkeypatch.setitem(sys.modules, "dask", types.ModuleType("dask"))
     monkeypatch.setitem(sys.modules, "dask.distributed", stub)
-    clean = swept(tmp_path / "a")
-    assert swept(tmp_path / "b", runner=Cluster("tcp://here:8786")) == clean
-    with pytest.raises(ValueError, match="tcp://there"):
-        Cluster("tcp://there")
+
+    def nobody(address, timeout):
+        raise OSError("nobody there")
+
+    stub.Client = nobody
+    with pytest.raises(ValueError, match="tcp://there"), worker.cluster("tcp://there"):
+        pass
     monkeypatch.setitem(sys.modules, "dask.distributed", None)
-    with pytest.raises(ValueError, match=r"\[dask\]"):
-        Cluster("tcp://here:8786")
+    with pytest.raises(ValueError, match=r"\[dask\]"), worker.cluster("tcp://here:8786"):
+        pass
+
+
+@pytest.mark.long
+def test_through_a_scheduler(tmp_path):
+    """Two workers of Dask, which the tests' requirements do not include: pip install distributed."""
+    distributed = pytest.importorskip("distributed", reason="pip install distributed")
+    clean = swept(tmp_path / "a")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        found = swept(tmp_path / "b", executor=worker.cluster(cluster.scheduler_address))
+    assert found == clean

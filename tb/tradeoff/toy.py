@@ -1,9 +1,8 @@
 """An axis that measures nothing: it logs the points that it is given, and ends its process where files tell
 it to.
 
-The environment sets: TOY_FOLDER, a folder with a file `log`; files `die_once` and `die_always` hold numbers
-of points; while a file `hold` exists, points from HOLD on do not end; TOY_COUNT: the number of points;
-TOY_SECONDS: the time that each takes.
+The environment sets: TOY_FOLDER, a folder with a file `log`; files `fails` and `die_once` hold numbers of
+points; while a file `hold` exists, points from HOLD on do not end; TOY_SECONDS: the time that each takes.
 """
 
 import os
@@ -13,7 +12,7 @@ from pathlib import Path
 
 from meissner.tradeoff.axis import Axis, Figure
 
-COUNT = int(os.environ.get("TOY_COUNT", "24"))
+COUNT = 24
 HOLD = 7
 
 
@@ -38,8 +37,6 @@ def error(point):
         file.write(f"{number}\n")
     if _told("fails", number):
         raise ValueError("no such thing")
-    if _told("die_always", number):
-        os.kill(os.getpid(), signal.SIGKILL)
     if _told("die_once", number):
         (folder() / "die_once").unlink()
         os.kill(os.getpid(), signal.SIGKILL)

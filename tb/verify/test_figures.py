@@ -11,36 +11,6 @@ import version
 from meissner.tradeoff import area
 
 
-def test_figures_say_what_was_measured():
-    """By hand: a summary's rates are shares, its times milliseconds."""
-    rates = {
-        "missed": 2,
-        "false_alarms": 3,
-        "missed_rate": {"high": 0.0704},
-        "false_alarm_rate": {"high": 0.085},
-    }
-    slip = {"delay_ms_median": 5.548, "lead_ms_median": 364.7}
-    assert figures.acrylic(rates | {"conditions": [slip]}) == (
-        "2 missed (at most 7.04 %), 3 false (at most 8.5 %); 5.5 ms after the first partial slip (median), "
-        "365 ms before the whole contact slips"
-    )
-    conditions = [
-        {"delay_ms_median": 63.5, "lead_ms_min": 26.26},
-        {"delay_ms_median": 7.5, "lead_ms_min": 30.0},
-        {"delay_ms_median": None, "lead_ms_min": None},
-    ]
-    assert figures.pulls(
-        rates | {"conditions": conditions, "direction_error_deg": {"maximum": 12.046}}
-    ).endswith(
-        "; 7.5 to 63.5 ms after the pull begins (medians), 26.3 ms or more before the object moves; "
-        "direction within 12.05°"
-    )
-    even = {"unevenness_before": 0.301, "unevenness_after": 0.0015}
-    assert figures.evenness(even) == "30.1 % before, 0.15 % after calibration"
-    dead = even | {"dead": 65, "dead_as_injected": True}
-    assert figures.evenness(dead) == "30.1 % before, 0.15 % after, the 65 faulty cells found"
-
-
 def test_figures_of_blocks_are_those_recorded(tmp_path, monkeypatch):
     """By hand: 1,048,576 taxels in 131,072 beats of 8, so 131.0721 MHz are 1,000 frames/s."""
     entry = {"mhz_worst": 131.0721, "clocks": 11, "ns": 80.6, "area": {"lut": 7, "ff": 5, "ram": 3}}

@@ -155,7 +155,7 @@ def blocks(*parts):
 
 
 class Row(NamedTuple):
-    """A row of docs/results.md; ``measure`` gives its figure."""
+    """A row of docs/results.md, or a section with what a command prints; ``measure`` gives the figure."""
 
     what: str
     measure: object
@@ -305,14 +305,6 @@ ROWS = {
 }
 
 
-class Section(NamedTuple):
-    """A section of docs/results.md: what a command prints."""
-
-    title: str
-    measure: object
-    command: str
-
-
 def printed(*command):
     """A function that gives what a command prints, as a block of text."""
 
@@ -324,13 +316,13 @@ def printed(*command):
 
 
 SECTIONS = {
-    "scene_cost": Section(
+    "scene_cost": Row(
         "What a scene saves",
         printed(sys.executable, "tools/published/scene_cost.py"),
         "`python tools/published/scene_cost.py`: processor time of a simulated second, and the same with all "
         "features of the sensor on",
     ),
-    "extremes": Section(
+    "extremes": Row(
         "Extremes",
         printed("make", "--no-print-directory", "extremes"),
         "`make extremes`: the worst error of every block and solver at the ends of its range, and its bound",
@@ -398,7 +390,7 @@ def results(found):
     bitstreams = BOARDS.format(*synth.tables(area.recorded(area.BOARDS, "make resources")))
     parts = [HEAD.format(heading=heading()) + rows, BLOCKS + block_table(), "", bitstreams]
     for name, section in SECTIONS.items():
-        parts.append(f"## {section.title}\n\n{section.command}:\n\n{found[name]}\n")
+        parts.append(f"## {section.what}\n\n{section.command}:\n\n{found[name]}\n")
     return "\n".join(parts)
 
 
@@ -421,7 +413,7 @@ def main():
     others = pages()
     if options.list:
         print(*(f"{name:20} {row.what}" for name, row in ROWS.items()), sep="\n")
-        print(*(f"{name:20} {section.title}" for name, section in SECTIONS.items()), sep="\n")
+        print(*(f"{name:20} {section.what}" for name, section in SECTIONS.items()), sep="\n")
         print(*(f"{name:20} a page" for name in others), sep="\n")
         return
     if strange := [name for name in options.names if name not in ROWS | SECTIONS | others]:

@@ -1,15 +1,14 @@
 """Place and route single blocks: the worst Fmax of three seeds, the area, and the latency in ns if known.
 
     python tools/make/fmax.py                    every entry of TABLE on each of its targets
-    python tools/make/fmax.py 'divide*' -t ecp5  only these entries, only this target
+    python tools/make/fmax.py 'divide*'          only these entries
     python tools/make/fmax.py --list             list the entries
     python tools/make/fmax.py --record 'slip*'   also record them in constraints/fmax.json
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
 one pin, with registers on both sides, so that neither the pin count nor pin timing matters. The harness's own
 cells are subtracted from the area. Ports that an entry ties (an input to a number, an output left open with
-None) are not in the harness, so synthesis optimises them away. Results: a table, and build/fmax/fmax.json
-(entries not run keep their last result).
+None) are not in the harness, so synthesis optimises them away. The logs are in build/fmax.
 """
 
 import argparse
@@ -257,9 +256,9 @@ def place(stem, target, seed):
     return mhz, {short: result["utilization"][cell]["used"] for short, cell in spec["area"].items()}
 
 
-def measure(name, target, seeds):
+def measure(name, target):
     stem, own = synthesise(name, target)
-    runs = [place(stem, target, seed) for seed in seeds]
+    runs = [place(stem, target, seed) for seed in SEEDS]
     mhz = [round(m, 2) for m, _ in runs]
     area = {short: used - own.get(short, 0) for short, used in runs[0][1].items()}
     module, parameters, clocks, *_ = TABLE[name]
@@ -268,7 +267,7 @@ def measure(name, target, seeds):
         "target": target,
         "module": module,
         "parameters": parameters,
-        "seeds": list(seeds),
+        "seeds": list(SEEDS),
         "mhz": mhz,
         "mhz_worst": min(mhz),
         "clocks": clocks,
@@ -296,14 +295,10 @@ def table(results):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", default=["*"], help="entries, shell patterns")
-    parser.add_argument("-t", "--target", choices=TARGETS, action="append", help="default: all of an entry")
-    parser.add_argument("-s", "--seeds", type=int, nargs="+", default=SEEDS)
     parser.add_argument("-j", "--jobs", type=int, default=1)
     parser.add_argument("--record", action="store_true", help="into constraints/fmax.json too")
     parser.add_argument("--list", action="store_true", help="print the entries and stop")
     options = parser.parse_args()
-    if options.record and tuple(options.seeds) != SEEDS:
-        parser.error(f"--record is of seeds {SEEDS}")
     unknown = [n for n in options.names if not any(fnmatch(entry, n) for entry in TABLE)]
     if unknown:
         parser.error(f"no entry matches {unknown[0]}; try --list")
@@ -311,7 +306,7 @@ def main():
         (name, target)
         for name, entry in TABLE.items()
         for target in entry[3].split()
-        if any(fnmatch(name, n) for n in options.names) and target in (options.target or TARGETS)
+        if any(fnmatch(name, n) for n in options.names)
     ]
     if options.list:
         for name, target in work:
@@ -324,7 +319,7 @@ def main():
 
     def job(pair):
         begin = time.monotonic()
-        result = measure(*pair, options.seeds)
+        result = measure(*pair)
         took = time.monotonic() - begin
         print(f"{pair[0]} {pair[1]}: {result['mhz_worst']} MHz, {took:.0f} s", file=sys.stderr, flush=True)
         if options.record:
@@ -334,11 +329,6 @@ def main():
 
     with ThreadPoolExecutor(options.jobs) as pool:
         results = list(pool.map(job, work))
-    kept = ROOT / OUT / "fmax.json"
-    before = json.loads(kept.read_text()) if kept.exists() else []
-    done = {(r["name"], r["target"]) for r in results}
-    whole = [r for r in before if (r["name"], r["target"]) not in done and r["name"] in TABLE] + results
-    kept.write_text(json.dumps(whole, indent=1) + "\n")
     print(table(results))
 
 

@@ -159,9 +159,7 @@ def _rows(groups):
             if reg.strobe:
                 name = f"{reg.name}_written"
                 row(group, reg, 0, 1, "Strobe", "whole", False, places["cfg", group.name, name], 0, name)
-    return [
-        f"    {{{columns}}}{',' * (n < len(rows))}  // {name}" for n, (columns, name) in enumerate(rows, 1)
-    ]
+    return [f"  {{{columns}}}{',' * (n < len(rows))}  // {name}" for n, (columns, name) in enumerate(rows, 1)]
 
 
 def package(groups, _):

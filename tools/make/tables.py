@@ -1,10 +1,4 @@
-"""Generate rtl/common/msn_{log2,exp2}_pkg.sv, the tables of msn_log2 and msn_exp2, from their twins.
-
-python tools/make/tables.py           print the packages
-python tools/make/tables.py --write   write them
-"""
-
-import argparse
+"""Write rtl/common/msn_{log2,exp2}_pkg.sv, the tables of msn_log2 and msn_exp2, from their twins."""
 
 from meissner.builds import toolchain
 from meissner.twins.common import exp2, log2
@@ -16,7 +10,7 @@ HEAD = """// SPDX-License-Identifier: Apache-2.0
 //
 //   Entries[i] = {formula}, i = 0 .. 256
 //
-// Written by `python tools/make/tables.py --write` from integers: no tool computes a logarithm of its own.
+// Written by `python tools/make/tables.py` from integers: no tool computes a logarithm of its own.
 // Model: model/meissner/twins/common/{name}.py
 
 package msn_{name}_pkg;
@@ -49,16 +43,6 @@ def packages():
     return {toolchain.ROOT / f"rtl/common/msn_{name}_pkg.sv": text for name, text in texts.items()}
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="write the packages, in place of printing them")
-    write = parser.parse_args().write
-    for path, text in packages().items():
-        if write:
-            path.write_text(text, "utf-8")
-        else:
-            print(text, end="")
-
-
 if __name__ == "__main__":
-    main()
+    for path, text in packages().items():
+        path.write_text(text, "utf-8")

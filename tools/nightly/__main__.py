@@ -155,7 +155,7 @@ def write(checks, heading):
     for kind in dict.fromkeys(row["kind"] for row in rows):
         own = [row for row in rows if row["kind"] == kind]
         (FOLDER / f"{kind}.json").write_text(json.dumps(heading | {"checks": own}, indent=1) + "\n")
-    (FOLDER / "index.html").write_text(page.index(heading, rows, limits.Limits()), "utf-8")
+    page.write(FOLDER / "index.html", heading, rows, limits.Limits())
 
 
 def verdict(checks):

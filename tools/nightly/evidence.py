@@ -15,15 +15,12 @@ from nightly import benches
 
 NAME = "EVIDENCE"
 KEYS = {  # {kind: {key: type}}
-    # What the twin is checked against, and by which test; or what the block moves; or which blocks it joins.
-    "reference": {"against": str, "test": str, "moves": str, "joins": str},
     "equivalence": {  # of the netlist and of the reset
         "size": dict,  # which of the tests' sizes: a small memory, but more than one of each thing
         "reset_size": dict,  # the same for the reset's proof, where that takes a smaller one
         "defined": bool,  # synthesis makes use of what the source leaves undefined: that reads 0 in both
         "boxes": bool,  # the netlist is proven around the blocks in it, which have proofs of their own
         "yosys": str,  # why Yosys' own reader reads the source, too, in place of slang
-        "open": list,  # not read: tb/limits.toml names the open proofs
         "reset": dict,  # arguments of nightly.reset_proof.Task: what the reset's proof assumes
     },
     "mutants": {

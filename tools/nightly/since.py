@@ -69,10 +69,12 @@ def reads(proof, name):
 
 
 def twin_of(path):
-    """The block whose twin is ``path``; of a file that is no block's, the blocks whose tests import it."""
+    """The blocks that the twins in ``path`` name; of a file that names none, those whose tests import it."""
     package, _, name = path.removeprefix("model/meissner/").removesuffix(".py").rpartition("/")
-    if name in benches.blocks():
-        return [name]
+    text = (ROOT / path).read_text("utf-8") if (ROOT / path).exists() else ""
+    named = re.findall(r"\bmsn_(\w+)\.sv", text)
+    if named:
+        return [block for block in benches.blocks() if block in named]
     used = re.compile(rf"meissner\.{package.replace('/', '[.]')}(\.{name}\b| import .*\b{name}\b)")
     texts = {block: evidence.path_of(block).read_text("utf-8") for block in benches.blocks()}
     return [block for block, text in texts.items() if used.search(text)]

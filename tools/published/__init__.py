@@ -1,24 +1,18 @@
-"""The papers' figures and tables beside those of this repository: a module per page of docs/papers."""
-
-from dataclasses import dataclass
+"""What computes the pages of results, among them the papers' (papers.py)."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """A figure, table or statement of a paper, and ours, as text."""
-
-    figure: str
-    what: str
-    published: str
-    ours: str
-    difference: str
+def markdown(header, rows):
+    """A table of Markdown."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
 
 
-@dataclass(frozen=True)
-class Table:
-    """A heading with its own paragraph and table; rows that follow appear below it."""
+def section(title, text="", header=(), rows=()):
+    """A heading with its own paragraph and table."""
+    table = [markdown(header, rows)] if rows else []
+    return "\n\n".join([f"## {title}", *filter(None, [text.strip()]), *table])
 
-    title: str
-    text: str = ""
-    header: tuple = ()
-    rows: tuple = ()
+
+def rows_of(text):
+    """Rows of cells, which `|` separates; a blank line separates rows."""
+    return [tuple(" ".join(cell.split()) for cell in row.split("|")) for row in text.strip().split("\n\n")]

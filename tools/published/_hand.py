@@ -7,11 +7,9 @@ from PIL import Image
 from meissner import scenes
 from meissner.scenes.hand import loop, pictures
 from meissner.scenes.hand.run import PARTS, joined, statistics
-from published import Row
 
 # (figure, scene, seeds): the first condition of each, 10 ms.
 MOTIONS = ((16, "grip_pour", 20), (17, "grip_release", 10))
-HAND = "HEAL_S, GRIP_N_MM, SERVO_S, RIPPLE_N_S, EVENT_SHARE, PATCHES (chosen)"
 
 
 @cache
@@ -23,7 +21,7 @@ def held(name, seeds):
 def rows():
     """Row V and those of figures 16 and 17."""
     cycles = sorted({one.cycle_ms for one in scenes.load("grip_pour").conditions}, reverse=True)
-    yield Row(
+    yield (
         *("V", "control cycle of the hand", "10 ms", " and ".join(f"{one} ms" for one in cycles)),
         "none at 10 ms",
     )
@@ -43,7 +41,7 @@ def rows():
             f"{row['ring_mm_max']:.3f}, slip {row['slip_mm_max']:.3f}"
         )
         apart = "no number published" if number == 16 else f"{row['moved_mm_max'] - 0.5:+.2f} mm"
-        yield Row(f"Fig. {number}", *said[number], ours, apart)
+        yield (f"Fig. {number}", *said[number], ours, apart)
 
 
 def draw(folder):

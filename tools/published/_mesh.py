@@ -10,7 +10,7 @@ from meissner.physics import mesh_loads
 from meissner.physics.mesh import Mesh
 from meissner.scenes.mesh import run as mesh_run
 from meissner.scenes.mesh.run import circle
-from published import Row, Table
+from published import section
 from published._parts import NONE, figure, label, percent, save, signed
 from published.mesh_figures import errors
 
@@ -31,7 +31,6 @@ REST_N = (0.0, 0.05, 0.5, 5.0)  # nine taxels together, in addition to 5 N
 RATE_HZ = 500_000  # for the table and picture of figure 13
 RADII = (0.6, 0.8, 1.0, 1.2, 1.4, 1.5, 1.6, 2.0, 3.0)  # of the hemisphere
 R0_OHM = (1e3, 3e3, 10e3, 30e3, 100e3)
-K = "mesh_loads.K_PAPER"
 INSIDE = "inside"
 
 
@@ -44,7 +43,7 @@ def drops():
         found.append(solution.E1[0] - solution.Va.min())
     over = f"{100 * (found[0] / 0.02 - 1):+.0f} %, unexplained"
     what = "drop in layer A, 5 N in the middle of 41×41, r = 10"
-    yield Row("fig. 5", what, "below 0.02 V", f"{found[0]:.4f} V", over)
+    yield ("fig. 5", what, "below 0.02 V", f"{found[0]:.4f} V", over)
     load = np.zeros((41, 41))
     at = (10, 10, 30), (10, 30, 20)
     load[at] = 5 / 3
@@ -52,9 +51,9 @@ def drops():
     lost = 1e3 * (solution.E1 - solution.E2 - (solution.Va - solution.Vb)[at])
     ours = f"{lost.min():.1f} to {lost.max():.1f} mV less than between the electrodes"
     what = "voltage at three loaded places, 5 N together, r = 10"
-    yield Row("fig. 6", what, "falls where loaded (surface)", ours, NONE)
+    yield ("fig. 6", what, "falls where loaded (surface)", ours, NONE)
     depth = ", ".join(f"{drop:.3f}" for drop in found)
-    yield Row("fig. 7", "fig. 5 for r = 10, 47, 100, 150", "grows with r (curve)", f"{depth} V", NONE)
+    yield ("fig. 7", "fig. 5 for r = 10, 47, 100, 150", "grows with r (curve)", f"{depth} V", NONE)
 
 
 def six_points():
@@ -67,15 +66,15 @@ def six_points():
         mean, worst = 100 * position[-1].mean(), 100 * np.max(position)
         inside = INSIDE if worst <= 0.5 else f"mean {INSIDE}, worst +{worst - 0.5:.2f} points"
         ours = f"mean {mean:.3f} %, worst {worst:.2f} %"
-        yield Row("fig. 8", f"{what}: position", "within 0.5 %", ours, inside)
+        yield ("fig. 8", f"{what}: position", "within 0.5 %", ours, inside)
         mean = 100 * load[-1].mean()
         inside = INSIDE if mean <= 2 else f"+{mean - 2:.2f} points"
-        yield Row("fig. 9", f"{what}: load", "within 2 %", f"{percent(load[-1])} % at 20 N", inside)
+        yield ("fig. 9", f"{what}: load", "within 2 %", f"{percent(load[-1])} % at 20 N", inside)
     r = 0.05 * mesh_loads.K_PAPER / 5
     place, load = errors(mesh_loads.cop_six_random(r, 5.0, DRAWS))
     ours = f"at 0.05 (5 N, r = {r:.1f}): position {percent(place, 3)} %, load {percent(load)} %"
     what = "errors with r/rp below 0.05, six points"
-    yield Row("IV-C", what, "sufficient accuracy", ours, "none: no number is given")
+    yield ("IV-C", what, "sufficient accuracy", ours, "none: no number is given")
 
 
 def two_points():
@@ -84,12 +83,12 @@ def two_points():
     off = np.abs(solution.x - solution.y).max()
     ours = f"on it to {max(off, 1e-15):.0e}; along it at most {np.abs(solution.x - x).max():.3f} off"
     what = "two points, 5×5, r = 47, 10 N"
-    yield Row("fig. 10", what, "on the straight line (curve)", ours, "none seen")
+    yield ("fig. 10", what, "on the straight line (curve)", ours, "none seen")
     scene = mesh_loads.cop_load()
     solution = scene.mesh.solve(scene.load)
     ours = f"{solution.load[10]:.2f} N of 10, {solution.load[20]:.2f} N of 20"
     what = "two equal loads, 5×5, r = 47"
-    yield Row("fig. 11", what, "lags as load grows (curve)", ours, NONE)
+    yield ("fig. 11", what, "lags as load grows (curve)", ours, NONE)
 
 
 def resolved(r0_ohm, bits=16, load_n=5.0):
@@ -103,14 +102,14 @@ def series_resistor():
     scene = mesh_loads.cop_six_random(150.0, 20.0)
     reports = np.array([Mesh(41, 41, 150.0, R0).solve(scene.load).load for R0 in (1e3, 1e4, 1e5)])
     moved = f"load moves by {100 * np.abs(reports / reports[1] - 1).max():.1f} % from 1 to 100 kΩ"
-    yield Row("IV-D", "R0 and the errors of position and load", "not affected", moved, "none of note")
+    yield ("IV-D", "R0 and the errors of position and load", "not affected", moved, "none of note")
     steps = {r0: resolved(r0)[0] for r0 in (1e3, 10e3)}
     ours = (
         f"one code of 16 bits is {100 * steps[10e3]:.2f} % of the range at 10 kΩ, "
         f"{100 * steps[1e3]:.3f} % at 1 kΩ"
     )
     what = "R0 and signal to noise: position, 5 N on one of 41×41, r = 10"
-    yield Row("IV-D", what, "falls as R0 grows", ours, "agrees; no number is given")
+    yield ("IV-D", what, "falls as R0 grows", ours, "agrees; no number is given")
 
 
 def blow(rest_n, response_s=PUBLISHED_S):
@@ -142,11 +141,11 @@ def impulse():
         "quotient of eq. 27: the position itself has no transient"
     )
     what = "position output after a blow, 3×3, r = 47"
-    yield Row("fig. 13", what, "settles in about 0.6 ms", ours, why)
+    yield ("fig. 13", what, "settles in about 0.6 ms", ours, why)
     some = "; ".join(f"{rest_n:g} N: {1e3 * at_rest[rest_n]:.2f} ms" for rest_n in REST_N[1:])
     what = "the same with taxels that conduct at rest; their total is given as a load"
     why = "a position that settles in 0.6 ms then needs a rubber slower than 0.6 ms: the table below"
-    yield Row("fig. 13", what, "settles in about 0.6 ms", some, why)
+    yield ("fig. 13", what, "settles in about 0.6 ms", some, why)
 
 
 def covers():
@@ -164,7 +163,7 @@ def stroke():
     ours = f"a circle of radius {locus['radius']:.4f}, out of round by {100 * locus['roundness']:.3f} %"
     what = "a finger draws a circle of radius 0.5 on a hemisphere over 3×3, r = 47"
     apart = f"{NONE}; depends on the cover, below"
-    yield Row("figs. 14, 15", what, "a neat locus (curve)", ours, apart)
+    yield ("figs. 14, 15", what, "a neat locus (curve)", ours, apart)
 
 
 def tables():
@@ -175,7 +174,7 @@ def tables():
         rows.append((f"{force} N", *cells))
     text = "It prints 0.01088 for 47 Ω and 10 N, a factor of ten too small, and 0.2178 for 0.2176: misprints."
     header = ("load", *(f"{r:.0f} Ω" for r in mesh_loads.SIX_R))
-    yield Table("Table I of the mesh, r/rp: printed / ours", text, header, rows)
+    yield section("Table I of the mesh, r/rp: printed / ours", text, header, rows)
 
     titles = "Position error, % of the range (mesh, fig. 8)", "Load error, % (mesh, fig. 9)"
     header = ("r", *(f"{t:.0f} N" for t in mesh_loads.SIX_TOTALS))
@@ -191,7 +190,7 @@ def tables():
             f"Equal shares. With random shares the position errors are {place:.0f} % larger, the load errors "
             f"{load:.0f} %."
         )
-        yield Table(name, text if not index else "", header, rows)
+        yield section(name, text if not index else "", header, rows)
 
     rows = []
     for r0 in R0_OHM:
@@ -202,7 +201,7 @@ def tables():
         "electrodes."
     )
     header = "R0", "I R0", "one code, of the range"
-    yield Table("R0 and what a converter resolves (mesh, IV-D)", text, header, rows)
+    yield section("R0 and what a converter resolves (mesh, IV-D)", text, header, rows)
 
     rows = []
     for rest_n in REST_N:
@@ -220,7 +219,7 @@ def tables():
         "position settles, rubber of 0.6 ms",
         "rubber for 0.6 ms of the position",
     )
-    yield Table("How the position settles (mesh, fig. 13)", text, header, rows)
+    yield section("How the position settles (mesh, fig. 13)", text, header, rows)
 
     rows = [
         (f"{radius:g}", f"{locus['radius']:.4f}", f"{100 * locus['roundness']:.3g} %")
@@ -232,7 +231,7 @@ def tables():
         "it is round only near 1.5, the chosen radius, which just covers taxels as wide as their pitch."
     )
     header = "radius of the cover", "radius of the locus", "out of round"
-    yield Table("The cover and the circle (mesh, figs. 14, 15)", text, header, rows)
+    yield section("The cover and the circle (mesh, figs. 14, 15)", text, header, rows)
 
 
 def six_errors():
@@ -247,12 +246,12 @@ def six_errors():
 def response():
     what = "response of the circuit, and the number of elements"
     ours = "clock counts at any m, n: docs/results.md"
-    yield Row("VI-A, VII", what, "below 1 ms, independent of it", ours, "none")
+    yield ("VI-A, VII", what, "below 1 ms, independent of it", ours, "none")
 
 
 def compute():
     rows = [*drops(), *six_points(), *series_resistor(), *two_points(), *impulse(), *stroke(), *response()]
-    return [Table("A High-Speed Mesh of Tactile Sensors", HEAD), *rows, *tables()]
+    return [section("A High-Speed Mesh of Tactile Sensors", HEAD), *rows, *tables()]
 
 
 def draw(folder):

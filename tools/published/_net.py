@@ -5,7 +5,7 @@ import numpy as np
 from meissner.physics import disturbances, mesh_loads
 from meissner.physics.mesh import Mesh
 from meissner.physics.mesh.cut import CutMesh
-from published import Row, Table
+from published import section
 from published._mesh import blow
 from published._parts import NONE, figure, label, save
 
@@ -38,7 +38,7 @@ def one_at_a_time():
         np.abs(np.diff(solution.x.reshape(3, 3))[0] - 1).max(), np.abs(solution.y[::3] - [1, 0, -1]).max()
     )
     ours = f"steps of {VOLTS:g} V, equal to {max(VOLTS * worst, 1e-14):.0e} V"
-    yield Row("fig. 8", "one element at a time, 3×3, r = 150", "steps of 3 V", ours, "none")
+    yield ("fig. 8", "one element at a time, 3×3, r = 150", "steps of 3 V", ours, "none")
 
 
 def two_points(r=R_OHM):
@@ -58,7 +58,7 @@ def shares():
     )
     what = "3 N on the right, 0 to 3 N on the left, r = 150"
     published = "proportional to the left load; 0 V when equal"
-    yield Row("fig. 9", what, published, ours, why)
+    yield ("fig. 9", what, published, ours, why)
 
 
 def cycle(count=1000, turns=2):
@@ -78,7 +78,7 @@ def loop():
     at = np.argmin(np.abs(force_n[2 * half : 3 * half] - CYCLE_N / 2))
     ours = f"at {CYCLE_N / 2:g} N: {up[at]:.2f} N rising, {down[at]:.2f} N falling"
     what = f"load output over a cycle of 0.2 Hz, 0 to {CYCLE_N:g} N on the middle"
-    yield Row(
+    yield (
         "fig. 7",
         what,
         "rising and falling differ (loop)",
@@ -116,7 +116,7 @@ def bare_rows():
     off = max(abs(found.x[0] - whole.x), abs(found.y[0] - whole.y))
     ours = f"loads on rubber as on the complete mesh, to {max(off, 1e-12):.0e}; 4 N on a bare one: no effect"
     what = "elements without rubber: every second row and column of 5×5 bare"
-    yield Row("IV-E, fig. 5 (b)", what, "possible: r_p is infinite there", ours, "none")
+    yield ("IV-E, fig. 5 (b)", what, "possible: r_p is infinite there", ours, "none")
 
 
 def cut_rows():
@@ -126,18 +126,18 @@ def cut_rows():
         f"constants, {100 * fitted.max():.1f} % with a gain fitted for each axis"
     )
     published = "can be cut from the sheet; no error is given"
-    yield Row("VIII, figs. 13, 14", "elements cut out, 3×3, r = 150", published, ours, "the table below")
+    yield ("VIII, figs. 13, 14", "elements cut out, 3×3, r = 150", published, ours, "the table below")
 
 
 def others():
     _, _, settled_s = blow(0.5)
     what, published = "position output after a blow", "settles in about 0.6 ms, mostly due to the rubber"
     ours = f"at once; {1e3 * settled_s:.2f} ms with a conductance at rest of 0.5 N in addition to 5 N"
-    yield Row("fig. 10", what, published, ours, "see [shear_and_mesh](shear_and_mesh.md)")
+    yield ("fig. 10", what, published, ours, "see [shear_and_mesh](shear_and_mesh.md)")
     what, ours = "a finger draws a circle on a covered sensor", "the mesh paper's figure 15"
-    yield Row("fig. 11", what, "a locus (curve)", ours, "see [shear_and_mesh](shear_and_mesh.md)")
+    yield ("fig. 11", what, "a locus (curve)", ours, "see [shear_and_mesh](shear_and_mesh.md)")
     what, ours = "25×5 elements for walking", "a walk over 25×5 taxels, scanned: `meissner run walk_25x5`"
-    yield Row("fig. 14", what, "works", ours, "not four wires")
+    yield ("fig. 14", what, "works", ours, "not four wires")
 
 
 def table():
@@ -163,12 +163,12 @@ def table():
         "remaining mesh."
     )
     header = "cut out", "position error, mean / worst", "gain for x, y", "with it", "load of 3 N"
-    yield Table("Elements cut from the sheet (net, VIII)", text, header, rows)
+    yield section("Elements cut from the sheet (net, VIII)", text, header, rows)
 
 
 def compute():
     rows = [*loop(), *one_at_a_time(), *shares(), *others(), *bare_rows(), *cut_rows()]
-    return [Table("A Net-Structure Tactile Sensor", HEAD), *rows, *table()]
+    return [section("A Net-Structure Tactile Sensor", HEAD), *rows, *table()]
 
 
 def draw(folder):

@@ -9,7 +9,7 @@ from meissner.physics import capacitive, dielectric
 from meissner.physics.capacitive import GRAM_N, PITCH_MM
 from meissner.scenes.capacitive import run
 from meissner.scenes.capacitive import scene as of_pad
-from published import Row, Table, _capacitive_pictures
+from published import _capacitive_pictures, rows_of, section
 
 TITLE = "Performance Analysis of a Tactile Sensor (8×8 capacitive array)"
 HEAD = """
@@ -80,61 +80,34 @@ def design():
     at_200 = 200 * PER_MM2
     rises = [100 * float(dielectric.rise(at_200, h)) for h in (0.75, 0.25)]
     heights = [100 * float(capacitive.tab_height(at_200 * GRAM_N, tab_mm=h)) for h in (0.75, 0.25)]
-    return [
-        Row(
-            "eq. 2–6",
-            "flat sheet, glued down, even press: strain along the force",
-            "0: no change of position at all",
-            f"stress/E·(1 + ν)(1 − 2ν)/(1 − ν): 0 at ν = ½; 100 g on a cell add {soft[0]:.2g} % of "
-            f"capacitance, {soft[1]:.2g} % at ν = 0.499, {soft[2]:.2g} % at 0.49",
-            "none at ν = ½",
-        ),
-        Row(
-            "eq. 7",
-            "the same with tabs",
-            "stress/E",
-            f"the same; with the glued ends a tab is 1 + 2S² = {1 + 2 * (1.4 / 3) ** 2:.2f} times as stiff, "
-            f"and 100 g add {tabs:.3g} %",
-            "the ends, which the paper leaves out",
-        ),
-        Row(
-            "fabrication",
-            "tab of 0.25 to 0.75 mm “depending on the desired force range”",
-            "no number",
-            f"what 100 g do to 0.75 mm takes {grams[0]:.0f} g at 0.25 mm: the range is "
-            f"{grams[0] / grams[1]:.1f} times as wide",
-            "–",
-        ),
-        Row(
-            "fabrication",
-            "range 0 to 200 g/mm²",
-            "“suitable performance”",
-            f"200 g/mm² on a tab are {at_200:.0f} g: capacitance +{rises[0]:.0f} % at 0.75 mm, "
-            f"+{rises[1]:.0f} % at 0.25 mm, a tab compressed to {heights[0]:.0f} and {heights[1]:.0f} %",
-            "–",
-        ),
-        Row(
-            "design",
-            "Ccell",
-            "on the order of 1 pF",
-            f"1 pF is used; the printed sizes give {low:.3f} pF (tab 0.75 mm) to {high:.3f} pF (0.25 mm)",
-            f"{1 / high:.0f} to {1 / low:.0f} times",
-        ),
-        Row(
-            "eq. 11",
-            "reactance of 1 pF at 100 kHz",
-            "10 MΩ",
-            f"{ohm / 1e6:.2f} MΩ; 10 MΩ is 1/(fC), without 2π",
-            f"{10e6 / ohm:.1f} times",
-        ),
-        Row(
-            "eq. 16, 17",
-            "leakage of the cell, large gain",
-            "a high carrier makes it small",
-            f"10 MΩ: {leak[0]:.2g} % too much at 100 kHz, {leak[1]:.2g} % at 200 kHz",
-            "–",
-        ),
-    ]
+    return rows_of(f"""
+        eq. 2–6 | flat sheet, glued down, even press: strain along the force | 0: no change of position at
+        all
+        | stress/E·(1 + ν)(1 − 2ν)/(1 − ν): 0 at ν = ½; 100 g on a cell add {soft[0]:.2g} % of capacitance,
+        {soft[1]:.2g} % at ν = 0.499, {soft[2]:.2g} % at 0.49 | none at ν = ½
+
+        eq. 7 | the same with tabs | stress/E
+        | the same; with the glued ends a tab is 1 + 2S² = {1 + 2 * (1.4 / 3) ** 2:.2f} times as stiff, and
+        100 g add {tabs:.3g} % | the ends, which the paper leaves out
+
+        fabrication | tab of 0.25 to 0.75 mm “depending on the desired force range” | no number
+        | what 100 g do to 0.75 mm takes {grams[0]:.0f} g at 0.25 mm: the range is {grams[0] / grams[1]:.1f}
+        times as wide | –
+
+        fabrication | range 0 to 200 g/mm² | “suitable performance”
+        | 200 g/mm² on a tab are {at_200:.0f} g: capacitance +{rises[0]:.0f} % at 0.75 mm, +{rises[1]:.0f} %
+        at 0.25 mm, a tab compressed to {heights[0]:.0f} and {heights[1]:.0f} % | –
+
+        design | Ccell | on the order of 1 pF
+        | 1 pF is used; the printed sizes give {low:.3f} pF (tab 0.75 mm) to {high:.3f} pF (0.25 mm) |
+        {1 / high:.0f} to {1 / low:.0f} times
+
+        eq. 11 | reactance of 1 pF at 100 kHz | 10 MΩ
+        | {ohm / 1e6:.2f} MΩ; 10 MΩ is 1/(fC), without 2π | {10e6 / ohm:.1f} times
+
+        eq. 16, 17 | leakage of the cell, large gain | a high carrier makes it small
+        | 10 MΩ: {leak[0]:.2g} % too much at 100 kHz, {leak[1]:.2g} % at 200 kHz | –
+    """)
 
 
 def crosstalk():
@@ -143,86 +116,54 @@ def crosstalk():
     volts = ", ".join(f"{rows[pf]['output_v']:.2f} ({pf:g} pF)" for pf in (0, 10, 40, 80))
     lagging = ", ".join(f"{100 * rows[pf]['low_by_with_lagging_gain']:.2g}" for pf in (0, 10, 40, 80))
     hertz = scenes.load("capacitive_crosstalk").world["gain_bandwidth_hz"]
-    return [
-        Row(
-            "eq. 18",
-            "output at any gain, 0 to 80 pF unselected",
-            "formula",
-            f"demodulated carrier at most {1e3 * summary['difference_from_eq18_v']:.2g} mV of 10 V off",
-            f"{10 * summary['difference_from_eq18_v']:.2g} %",
-        ),
-        Row(
-            "2",
-            "“gain over about 200 is adequate”: output near 10 V",
-            "about 10 V",
-            f"at G = 200 {volts} V; with a phase lag of 90°, as of a compensated amplifier, {lagging} % low",
-            f"{100 * rows[0]['low_by']:.1f} to {100 * rows[80]['low_by']:.0f} % low",
-        ),
-        Row(
-            "design",
-            "carrier from the gain-bandwidth product over 200",
-            "200 kHz",
-            f"needs a product of {hertz / 1e6:g} MHz",
-            "–",
-        ),
-        Row("1, 3", "schematic, cross section", "drawings", "as described", "–"),
-    ]
+    return rows_of(f"""
+        eq. 18 | output at any gain, 0 to 80 pF unselected | formula
+        | demodulated carrier at most {1e3 * summary["difference_from_eq18_v"]:.2g} mV of 10 V off |
+        {10 * summary["difference_from_eq18_v"]:.2g} %
+
+        2 | “gain over about 200 is adequate”: output near 10 V | about 10 V
+        | at G = 200 {volts} V; with a phase lag of 90°, as of a compensated amplifier, {lagging} % low |
+        {100 * rows[0]["low_by"]:.1f} to {100 * rows[80]["low_by"]:.0f} % low
+
+        design | carrier from the gain-bandwidth product over 200 | 200 kHz
+        | needs a product of {hertz / 1e6:g} MHz | –
+
+        1, 3 | schematic, cross section | drawings | as described | –
+    """)
 
 
 def cell():
     summary = measured("cell").summary
     rows = summary["conditions"]
     spread = [100 * row["of_the_mean"] for row in rows]
-    return [
-        Row(
-            "4, 5",
-            "response from 0 to 150 g and back in a second",
-            "linear",
-            f"within {over_seeds('cell', 'off_the_line_g')} g of the straight line that fits it best",
-            f"{100 * summary['off_the_line_g'] / 150:.2g} % of 150 g",
-        ),
-        Row(
-            "5",
-            "loading and unloading",
-            "differ within the noise",
-            f"{summary['unloading_above_loading_g']:.2g} g apart, noise {summary['noise_g']:.2g} g rms",
-            f"{summary['unloading_above_loading_g'] / summary['noise_g']:.2g} times the noise",
-        ),
-        Row(
-            "calibration",
-            "straight line by least squares, per cell",
-            "“adequate”: the response is linear",
-            f"top of a cycle {over_seeds('cell', 'low_at_full_g')} g low, of which nonlinearity "
-            f"{over_seeds('cell', 'low_settled_g')} g, the rest creep; settled presses at most "
-            f"{over_seeds('cell', 'settled_off_g')} g off, with a second-order term "
-            f"{over_seeds('cell', 'settled_off_second_order_g')} g",
-            f"{over_seeds('cell', 'off_share', -100)} % low in presses of 150 g, with the second-order term "
-            f"{over_seeds('cell', 'off_share_second_order', -100)} %",
-        ),
-        Row(
-            "calibration",
-            "fout = (cout − b)/m",
-            "formula",
-            f"the same in integers, deviation at most {integers_off_g():.2g} g from real numbers",
-            "–",
-        ),
-        Row(
-            "6",
-            "constant force, 240 s",
-            "sags; comes back (no hysteresis)",
-            f"reading rises by {100 * summary['sag_of_hold']:.2g} %; 0.5 s after release "
-            f"{over_seeds('cell', 'left_after_release_g')} g of 100 g remain, after 60 s "
-            f"{over_seeds('cell', 'left_after_rest_g')} g",
-            "no number printed",
-        ),
-        Row(
-            "7",
-            "press to press",
-            "much worse than within a press",
-            f"{min(spread):.2g} to {max(spread):.2g} % (standard deviation of twelve)",
-            "no number printed",
-        ),
-    ]
+    return rows_of(f"""
+        4, 5 | response from 0 to 150 g and back in a second | linear
+        | within {over_seeds("cell", "off_the_line_g")} g of the straight line that fits it best |
+        {100 * summary["off_the_line_g"] / 150:.2g} % of 150 g
+
+        5 | loading and unloading | differ within the noise
+        | {summary["unloading_above_loading_g"]:.2g} g apart, noise {summary["noise_g"]:.2g} g rms |
+        {summary["unloading_above_loading_g"] / summary["noise_g"]:.2g} times the noise
+
+        calibration | straight line by least squares, per cell | “adequate”: the response is linear
+        | top of a cycle {over_seeds("cell", "low_at_full_g")} g low, of which nonlinearity
+        {over_seeds("cell", "low_settled_g")} g, the rest creep; settled presses at most
+        {over_seeds("cell", "settled_off_g")} g off, with a second-order term
+        {over_seeds("cell", "settled_off_second_order_g")} g | {over_seeds("cell", "off_share", -100)} % low
+        in presses of 150 g, with the second-order term {over_seeds("cell", "off_share_second_order", -100)}
+        %
+
+        calibration | fout = (cout − b)/m | formula
+        | the same in integers, deviation at most {integers_off_g():.2g} g from real numbers | –
+
+        6 | constant force, 240 s | sags; comes back (no hysteresis)
+        | reading rises by {100 * summary["sag_of_hold"]:.2g} %; 0.5 s after release
+        {over_seeds("cell", "left_after_release_g")} g of 100 g remain, after 60 s
+        {over_seeds("cell", "left_after_rest_g")} g | no number printed
+
+        7 | press to press | much worse than within a press
+        | {min(spread):.2g} to {max(spread):.2g} % (standard deviation of twelve) | no number printed
+    """)
 
 
 def images():
@@ -236,71 +177,43 @@ def images():
         row = names[name]
         return f"{row['load_g']:.0f}, {row['reported_g']:.0f}, {row['second_order_g']:.0f} g"
 
-    return [
-        Row(
-            "8",
-            "peaks of three cells, probe in steps of 0.1 mm",
-            "about 2 mm apart",
-            f"{select['peaks_apart_mm']:.2f} mm ({select['peaks_apart_from_mm']:.3f} to "
-            f"{select['peaks_apart_to_mm']:.3f})",
-            f"pitch {PITCH_MM} mm",
-        ),
-        Row(
-            "8",
-            "overlap",
-            "some",
-            f"a neighbour reads {100 * select['neighbour_at_a_centre']:.1f} % over a cell's centre",
-            "no number printed",
-        ),
-        Row(
-            "calibration",
-            "differences of cells",
-            "mostly the columns' amplifiers",
-            f"columns are {min(share):.0f} to {max(share):.0f} % of the gains' variance (seeds 1 to 8)",
-            "no number printed",
-        ),
-        Row(
-            "calibration",
-            "even press, cell with the largest deviation from the mean",
-            "every cell should read the same",
-            f"{100 * shapes['unevenness_before']:.1f} % before; calibrated by a probe, as published, "
-            f"{100 * shapes['unevenness_calibrated_by_probe']:.1f} %, by even presses "
-            f"{100 * shapes['unevenness_after']:.2f} %",
-            "no number printed",
-        ),
-        Row(
-            "9",
-            "straight edges: slightly off horizontal; vertical",
-            "bars",
-            f"edge: {one('edge')}; upright: {one('upright edge')}",
-            "–",
-        ),
-        Row(
-            "10",
-            "socket on the diagonal; on the opposite one",
-            "bars",
-            f"{one('IC socket')}; opposite: {one('opposite socket')}",
-            "–",
-        ),
-        Row(
-            "11",
-            "two edges, one thicker, 3 mm apart",
-            "a gap of one pixel",
-            f"one row at {100 * edges[3] / edges.max():.0f} % of the thicker edge",
-            "none",
-        ),
-        Row("12", "bolt; washer", "bars", f"bolt: {one('bolt')}; washer: {one('washer')}", "–"),
-        Row("13", "connector of 6 pins", "bars", one("connector"), "–"),
-        Row(
-            "9–13",
-            "total load of the objects",
-            "none printed",
-            f"{mean_over_seeds('shapes', 'load_error')} off in the mean, with a second-order term "
-            f"{mean_over_seeds('shapes', 'load_error_second_order')}; position "
-            f"{mean_over_seeds('shapes', 'position_error')} of the range",
-            "–",
-        ),
-    ]
+    return rows_of(f"""
+        8 | peaks of three cells, probe in steps of 0.1 mm | about 2 mm apart
+        | {select["peaks_apart_mm"]:.2f} mm ({select["peaks_apart_from_mm"]:.3f} to
+        {select["peaks_apart_to_mm"]:.3f}) | pitch {PITCH_MM} mm
+
+        8 | overlap | some
+        | a neighbour reads {100 * select["neighbour_at_a_centre"]:.1f} % over a cell's centre | no number
+        printed
+
+        calibration | differences of cells | mostly the columns' amplifiers
+        | columns are {min(share):.0f} to {max(share):.0f} % of the gains' variance (seeds 1 to 8) | no
+        number printed
+
+        calibration | even press, cell with the largest deviation from the mean | every cell should read the
+        same
+        | {100 * shapes["unevenness_before"]:.1f} % before; calibrated by a probe, as published,
+        {100 * shapes["unevenness_calibrated_by_probe"]:.1f} %, by even presses
+        {100 * shapes["unevenness_after"]:.2f} % | no number printed
+
+        9 | straight edges: slightly off horizontal; vertical | bars
+        | edge: {one("edge")}; upright: {one("upright edge")} | –
+
+        10 | socket on the diagonal; on the opposite one | bars
+        | {one("IC socket")}; opposite: {one("opposite socket")} | –
+
+        11 | two edges, one thicker, 3 mm apart | a gap of one pixel
+        | one row at {100 * edges[3] / edges.max():.0f} % of the thicker edge | none
+
+        12 | bolt; washer | bars | bolt: {one("bolt")}; washer: {one("washer")} | –
+
+        13 | connector of 6 pins | bars | {one("connector")} | –
+
+        9–13 | total load of the objects | none printed
+        | {mean_over_seeds("shapes", "load_error")} off in the mean, with a second-order term
+        {mean_over_seeds("shapes", "load_error_second_order")}; position
+        {mean_over_seeds("shapes", "position_error")} of the range | –
+    """)
 
 
 def tabs():
@@ -313,7 +226,7 @@ def tabs():
         rows.append(
             (f"{height:g}", f"{grams:.0f}", f"{grams / PER_MM2:.0f}", *(f"{one:.1f}" for one in rise))
         )
-    return Table(
+    return section(
         "Height of the tab against the range of forces",
         f"Grams, and grams per mm² of the tab, that raise the capacitance by {100 * share:.3g} %, as 100 g "
         "do at 0.75 mm; and the rise with 50, 100 and 150 g. With an incompressible sheet without tabs there "

@@ -11,7 +11,7 @@ from meissner.physics import grip, rubber
 from meissner.scenes.grip import run as grip_run
 from meissner.scenes.grip.scene import Pull
 from meissner.scenes.shear.published import FIT, STEP_V
-from published import Row, Table, _net
+from published import _net, rows_of, section
 from published._parts import NONE, beside, figure, label, save
 
 TITLE = "Slip from a centre of pressure, and a net of tactile elements"
@@ -25,21 +25,19 @@ SLIP = """`meissner run cop_slip` has pulls in seven directions, at 1, 2 and 3 N
 without slip. The electrodes of a 7×7 mesh pass a converter, `msn_cop4` and `msn_cop_slip`. Figure 4 has means
 over the pulls at 2 N, up to the moment the object moves; rates are over all pulls and all runs. The picture
 shows the first pull. Figures 1 to 3, 5 and 9 are drawings and photographs."""
-OPTACON_ROWS = (
-    ("fig. 1", "thresholds of vibration, four channels", "curves over frequency, after other papers"),
-    ("table 1", "four receptors", "11, 59, 13, 101 mm² wide; 60, 10, 140, 20 in a cm²"),
-    (
-        "fig. 6",
-        "a pin's displacement without a finger, 30 V",
-        "22.2 dB above 1 µm at 230 Hz; r = 0.996, 0.2 dB apart",
-    ),
-    (
-        "figs. 8-11",
-        "pins under a finger, 10, 30, 50 V, beside the thresholds",
-        "least at 150 Hz; SA-I, FA-I below 20 Hz",
-    ),
-    ("fig. 14", "a pin switched every 0.4 s", "33 µm (30 dB), then 0.8 µm (-2 dB) at 230 Hz"),
-)
+OPTACON_ROWS = """
+    fig. 1 | thresholds of vibration, four channels | curves over frequency, after other papers
+
+    table 1 | four receptors | 11, 59, 13, 101 mm² wide; 60, 10, 140, 20 in a cm²
+
+    fig. 6 | a pin's displacement without a finger, 30 V
+    | 22.2 dB above 1 µm at 230 Hz; r = 0.996, 0.2 dB apart
+
+    figs. 8-11 | pins under a finger, 10, 30, 50 V, beside the thresholds
+    | least at 150 Hz; SA-I, FA-I below 20 Hz
+
+    fig. 14 | a pin switched every 0.4 s | 33 µm (30 dB), then 0.8 µm (-2 dB) at 230 Hz
+"""
 
 SEEDS = range(1, 6)  # for each condition; docs/cop_scenes.md has the scene's own ten seeds
 GRIP_N = 2.0  # III-A
@@ -83,22 +81,22 @@ def slip():
     between = "between the two" if FALL[0] <= drop <= FALL[1] else "outside"
     published = "down by 1.0 N and 1.3 N: 50 and 65 %"
     what = "load output at a grip of 2 N, right and left sensor"
-    yield Row("fig. 4 (a)", what, published, f"down by {100 * drop:.1f} %", between)
+    yield ("fig. 4 (a)", what, published, f"down by {100 * drop:.1f} %", between)
     off = [v["direction_error_deg"] for *_, v, _ in runs(True) if v["direction_error_deg"] is not None]
     right = sum(bool(v["octant_right"]) for *_, v, _ in runs(True))
     ours = f"{move_v:.4f} V; {np.mean(off):.1f}° off, {right} of {len(runs(True))} in the right octant"
     what, published = "position output of ±4 V", "moves by about 0.05 V, only in the direction of the slip"
-    yield Row("fig. 4 (b)", what, published, ours, beside(move_v, MOVE_V))
+    yield ("fig. 4 (b)", what, published, ours, beside(move_v, MOVE_V))
     ours = f"{rise_n:.3f} N, an input"
     what, published = "grip force before the move", "rises by about 0.2 N"
-    yield Row("fig. 4 (c)", what, published, ours, beside(rise_n, RISE_N))
+    yield ("fig. 4 (c)", what, published, ours, beside(rise_n, RISE_N))
     every = runs(False)
     missed = words(rate(sum(v["missed"] for *_, v, _ in runs(True)), len(runs(True))))
     false = words(rate(sum(v["false_alarms"] > 0 for *_, v, _ in every), len(every)))
     lead_ms = 1e3 * min(v["lead_s"] for *_, v, _ in runs(True) if v["lead_s"] is not None)
     ours = f"missed: {missed}; false alarms: {false}; shortest lead {lead_ms:.0f} ms"
     what = f"flag before displacement, seeds {SEEDS[0]} to {SEEDS[-1]}"
-    yield Row("III-A", what, "the start of slip can be detected", ours, NONE)
+    yield ("III-A", what, "the start of slip can be detected", ours, NONE)
 
 
 def second_sensor():
@@ -113,15 +111,15 @@ def second_sensor():
     ours = f"down by {100 * np.mean(falls):.1f} % on both, {100 * apart:.1f} points apart at most"
     why = "both have the same rubber and half the pull: the published 15 points are not reproduced"
     what, published = "load outputs of the two sensors of the grip", "fall immediately, by 1.0 and 1.3 N"
-    yield Row("III-A", what, published, ours, why)
+    yield ("III-A", what, published, ours, why)
     moves = np.array([[facts["move_v"] for *_, facts in pair] for pair in at_grip])
     ours = f"{moves[:, 0].mean():.4f} and {moves[:, 1].mean():.4f} V, the second in its own coordinates"
     what = "their position outputs"
-    yield Row("fig. 4 (b)", what, "the same on both", ours, "none")
+    yield ("fig. 4 (b)", what, "the same on both", ours, "none")
     ours = (
         f"both flag before the object moves in {flagged} of {len(both)} pulls, at most {gap_ms:.0f} ms apart"
     )
-    yield Row("III-A", "flags of the two sensors", "not stated", ours, NONE)
+    yield ("III-A", "flags of the two sensors", "not stated", ours, NONE)
 
 
 def covers():
@@ -135,7 +133,7 @@ def covers():
         "0.6 mm make it two and four times as long"
     )
     what, published = "a layer of silicone on the sensor", "the position moves two or four times as far"
-    yield Row("III-A", what, published, "; ".join(parts), why)
+    yield ("III-A", what, published, "; ".join(parts), why)
 
 
 def cover_table():
@@ -172,7 +170,7 @@ def cover_table():
         "worst lead",
         "direction off",
     )
-    yield Table("CoP slip with a cover", text, header, rows)
+    yield section("CoP slip with a cover", text, header, rows)
 
 
 def sheared():
@@ -182,7 +180,7 @@ def sheared():
     level = rubber.shear_level(time_s, np.where((time_s > 0) & (time_s <= 1), speed, 0.0))
     ours = f"{k * level[999]:.2f} V at 0.05 mm/s; {100 * level[200] / level[999]:.0f} % of it after 0.01 mm"
     what = "rise of the voltage with 0.05 mm of shear, from 2 V"
-    yield Row("IV-C", what, "more than 1 V", ours, "see table I below")
+    yield ("IV-C", what, "more than 1 V", ours, "see table I below")
     time_s = np.arange(0, 5.3, 1e-3)
     speeds = np.where((time_s > 0) & (time_s <= 0.3), 1.0, 0.0)
     ends = [
@@ -191,11 +189,11 @@ def sheared():
     ours = f"{ends[0]:.2f} V: restored, as the 2011 paper states; {ends[1]:.2f} V with recovers = 0.4"
     what = "voltage 5 s after the shear at 1 mm/s, from 2 V"
     why = "the papers disagree; both are modelled"
-    yield Row("figs. 6-8", what, "about 3 V", ours, why)
+    yield ("figs. 6-8", what, "about 3 V", ours, why)
     thick = f"{rubber.THICKNESS_MM:g} mm"
-    yield Row("V", "thickness of the rubber", "about 0.5 mm", thick, "another sensor's")
+    yield ("V", "thickness of the rubber", "about 0.5 mm", thick, "another sensor's")
     what, ours = "response of the circuit", "clock counts: docs/results.md"
-    yield Row("II-B", what, "below 1 ms", ours, "none")
+    yield ("II-B", what, "below 1 ms", ours, "none")
 
 
 def shear_tables():
@@ -211,7 +209,7 @@ def shear_tables():
         "the same steps."
     )
     header = ("shear speed", "table I", "by its own table II", "ours", "ours beside table I")
-    yield Table("Voltage step of sheared rubber at 2 V (CoP slip, tables I, II)", text, header, rows)
+    yield section("Voltage step of sheared rubber at 2 V (CoP slip, tables I, II)", text, header, rows)
     rows = [
         (f"{volts} V", f"{own:g}", f"{k[volts]:.2f}", f"{k[volts] - own:+.2f}", f"{power:g}", f"{n:g}")
         for volts, (own, power) in FIT.items()
@@ -225,14 +223,14 @@ def shear_tables():
         "n, table II",
         "n, eq. 1, ours",
     )
-    yield Table("Constants of the step (CoP slip, table II, figs. 10, 11)", text, header, rows)
+    yield section("Constants of the step (CoP slip, table II, figs. 10, 11)", text, header, rows)
 
 
 def compute():
     return [
-        Table("Pins of the Optacon-II", OPTACON),
-        *(Row(*cells, "no counterpart", "all of it") for cells in OPTACON_ROWS),
-        Table("Development of High Speed and High Sensitivity Slip Sensor", SLIP),
+        section("Pins of the Optacon-II", OPTACON),
+        *((*cells, "no counterpart", "all of it") for cells in rows_of(OPTACON_ROWS)),
+        section("Development of High Speed and High Sensitivity Slip Sensor", SLIP),
         *(*slip(), *second_sensor(), *covers(), *sheared()),
         *(*cover_table(), *shear_tables()),
         *_net.compute(),

@@ -11,6 +11,8 @@ import argparse
 import dataclasses
 import json
 
+from msgspec import structs
+
 from meissner import interval, scenes
 from meissner.builds import toolchain
 from meissner.scenes.hand import loop
@@ -44,7 +46,7 @@ def changed(scene, settings):
         if name:
             scene = dataclasses.replace(scene, **{name: getattr(scene, name) | {inner: json.loads(value)}})
         else:
-            all_of = (dataclasses.replace(condition, **{key: float(value)}) for condition in scene.conditions)
+            all_of = (structs.replace(condition, **{key: float(value)}) for condition in scene.conditions)
             scene = dataclasses.replace(scene, conditions=tuple(all_of))
     return scene
 

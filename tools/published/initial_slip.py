@@ -6,8 +6,10 @@ from matplotlib.ticker import NullFormatter
 
 from meissner import scenes
 from meissner.physics import rubber
-from published import Row, _hand
-from published._slip_pictures import INK, ORANGE, PURPLE, curve, figure, label, save
+from meissner.scenes.drawing import INK, ORANGE, PURPLE
+from meissner.scenes.shear.pictures import curve, figure, label
+from published import _hand, rows_of
+from published._parts import save
 from published._wavelets import (
     MORLET,
     SCALES,
@@ -71,57 +73,42 @@ def pulls():
 
 def of_slip():
     rise, share, step = pulls()
-    yield Row(
-        "Fig. 1",
-        "change of Vc: A while the rubber shears, B just before the slip",
-        "both seen (curve)",
-        f"A: +{step.mean():.2f} V; B: {rubber.PATCHES} events on average",
-        "none stated",
-    )
-    yield Row(
-        "II",
-        "sensor",
-        "6 mm × 6 mm, 1 kΩ to 5 V, 2.0 mm thick; the earlier sensor 0.5 mm",
-        f"{rubber.SIDE_MM:g} mm square, {rubber.SERIES_OHM / 1e3:g} kΩ to {rubber.SUPPLY_V:g} V, rubber "
-        f"{rubber.THICKNESS_MM:g} mm",
-        "the rubber's share of the 2.0 mm is not stated",
-    )
-    yield Row(
-        "Fig. 4",
-        "tension rises until the plate slips; acrylic, 2 N, 10 mm/s",
-        "for 3 s, then constant",
-        f"{rise.mean():.2f} s ({rise.min():.2f} to {rise.max():.2f}), 20 runs",
-        f"{100 * (rise.mean() / 3 - 1):+.0f} %",
-    )
-    yield Row(
-        "Fig. 4",
-        "when Vc fluctuates",
-        "immediately before the plate slides",
-        f"from {100 * share.mean():.1f} % of the rise on: the last {(rise * (1 - share)).mean():.2f} s",
-        "none stated; in the high-sensitivity sensor's record from 12 % on (scene `slip_first_event`)",
-    )
+    yield from rows_of(f"""
+        Fig. 1 | change of Vc: A while the rubber shears, B just before the slip | both seen (curve)
+        | A: +{step.mean():.2f} V; B: {rubber.PATCHES} events on average | none stated
+
+        II | sensor | 6 mm × 6 mm, 1 kΩ to 5 V, 2.0 mm thick; the earlier sensor 0.5 mm
+        | {rubber.SIDE_MM:g} mm square, {rubber.SERIES_OHM / 1e3:g} kΩ to {rubber.SUPPLY_V:g} V, rubber
+        {rubber.THICKNESS_MM:g} mm | the rubber's share of the 2.0 mm is not stated
+
+        Fig. 4 | tension rises until the plate slips; acrylic, 2 N, 10 mm/s | for 3 s, then constant
+        | {rise.mean():.2f} s ({rise.min():.2f} to {rise.max():.2f}), 20 runs |
+        {100 * (rise.mean() / 3 - 1):+.0f} %
+
+        Fig. 4 | when Vc fluctuates | immediately before the plate slides
+        | from {100 * share.mean():.1f} % of the rise on: the last {(rise * (1 - share)).mean():.2f} s |
+        none stated; in the high-sensitivity sensor's record from 12 % on (scene `slip_first_event`)
+    """)
     run = recording("acrylic_slip", "acrylic 2 N")
     before = [(run.gross_s - 0.2, run.gross_s - 0.005)]
     quiet = [(run.scene.world["stage_start_s"] + 0.1, run.onset_s - 0.1)]
     gain = mean_power("acrylic_slip", "acrylic 2 N", ABOVE_HZ, before).sum()
     gain /= mean_power("acrylic_slip", "acrylic 2 N", ABOVE_HZ, quiet).sum()
-    yield Row(
-        "Fig. 5",
-        "CWT: 1 kHz and more, early in the pull and just before the slip",
-        "few and weak early; 1 kHz or more just before",
-        f"mean power at 1, 2, 3 and 4 kHz {gain:.0f} times as large in the last 0.2 s",
-        "as published; our early part has only the converter's noise",
-    )
+    yield from rows_of(f"""
+        Fig. 5 | CWT: 1 kHz and more, early in the pull and just before the slip | few and weak early; 1 kHz
+        or more just before
+        | mean power at 1, 2, 3 and 4 kHz {gain:.0f} times as large in the last 0.2 s | as published; our
+        early part has only the converter's noise
+    """)
     hertz = np.arange(1000.0, 5001.0, 50.0)
     peak = hertz[np.argmax(mean_power("acrylic_slip", "acrylic 2 N", hertz, before))]
     edge, _ = edge_hz("normal_force", "load 2 N", ramps(recording("normal_force", "load 2 N")))
-    yield Row(
-        "Fig. 5, 7; VI",
-        "frequency of slip compared with that of the normal force",
-        "several kHz, about ten times as high",
-        f"strongest at {peak / 1e3:.2f} kHz, {peak / edge:.1f} times as high",
-        "about half of the published ratio",
-    )
+    yield from rows_of(f"""
+        Fig. 5, 7; VI | frequency of slip compared with that of the normal force | several kHz, about ten
+        times as high
+        | strongest at {peak / 1e3:.2f} kHz, {peak / edge:.1f} times as high | about half of the published
+        ratio
+    """)
 
 
 def of_force():
@@ -129,75 +116,63 @@ def of_force():
         spans = ramps(recording(name, condition))
         edge, plateau = edge_hz(name, condition, spans)
         above = mean_power(name, condition, ABOVE_HZ, spans).mean() / plateau
-        yield Row(
-            "Fig. 7",
-            f"CWT: highest frequency while the normal force changes, {condition}",
-            "about 600 Hz",
-            f"half of the power of 200 to 500 Hz at {edge:.0f} Hz; {100 * above:.2g} % of it at 1 to 4 kHz",
-            f"{edge - 600:+.0f} Hz",
-        )
+        yield from rows_of(f"""
+            Fig. 7 | CWT: highest frequency while the normal force changes, {condition} | about 600 Hz
+            | half of the power of 200 to 500 Hz at {edge:.0f} Hz; {100 * above:.2g} % of it at 1 to 4 kHz |
+            {edge - 600:+.0f} Hz
+        """)
     for name, condition in PRESSED:
         quiet, _ = largest(name, condition)
-        yield Row(
-            "Fig. 8",
-            f"Haar coefficient, {condition}",
-            "at most ±0.005 V",
-            volts(quiet),
-            f"mean {1e3 * (quiet.mean() - 0.005):+.1f} mV, largest {1e3 * (quiet.max() - 0.005):+.1f} mV",
-        )
+        yield from rows_of(f"""
+            Fig. 8 | Haar coefficient, {condition} | at most ±0.005 V
+            | {volts(quiet)} | mean {1e3 * (quiet.mean() - 0.005):+.1f} mV, largest
+            {1e3 * (quiet.max() - 0.005):+.1f} mV
+        """)
 
 
 def of_method():
     low, high = (2 * np.sin(np.pi * hertz / 10e3) ** 2 for hertz in (1000, 600))
-    yield Row(
-        "IV-A",
-        "band of the level-1 detail at 10 kHz",
-        "set to 1 to 5 kHz",
-        f"Haar's upper half is 2.5 to 5 kHz: it passes 1 kHz with {100 * low:.0f} % and 600 Hz with "
-        f"{100 * high:.0f} % of the power (white noise: 100 %)",
-        "the band's lower half is attenuated, and 600 Hz is not removed",
-    )
+    yield from rows_of(f"""
+        IV-A | band of the level-1 detail at 10 kHz | set to 1 to 5 kHz
+        | Haar's upper half is 2.5 to 5 kHz: it passes 1 kHz with {100 * low:.0f} % and 600 Hz with
+        {100 * high:.0f} % of the power (white noise: 100 %) | the band's lower half is attenuated, and 600
+        Hz is not removed
+    """)
     scene = scenes.load("acrylic_slip")
-    yield Row(
-        "IV-A",
-        "rate, window, wavelet, level",
-        "10 kHz, 64 points a cycle, Haar, level 1",
-        f"{scene.rate_hz / 1e3:g} kHz, {scene.slip.window} samples, Haar, level {scene.slip.level}",
-        "none",
-    )
+    yield from rows_of(f"""
+        IV-A | rate, window, wavelet, level | 10 kHz, 64 points a cycle, Haar, level 1
+        | {scene.rate_hz / 1e3:g} kHz, {scene.slip.window} samples, Haar, level {scene.slip.level} | none
+    """)
     flat = [value for name, condition in PRESSED for value in largest(name, condition)[0]]
     slips = [value for name, condition in SLIPS for value in largest(name, condition)[1]]
-    yield Row(
-        "IV-B",
-        "threshold on the coefficient",
-        "±0.01 V: exceeded by all slips, and by no change of the normal force",
-        f"slips: {crossed(np.array(slips))}; normal force: {crossed(np.array(flat))}",
-        "none",
-    )
+    yield from rows_of(f"""
+        IV-B | threshold on the coefficient | ±0.01 V: exceeded by all slips, and by no change of the normal
+        force
+        | slips: {crossed(np.array(slips))}; normal force: {crossed(np.array(flat))} | none
+    """)
 
 
 def of_cases():
     base = largest(*FORCES[0])[1]
     for number, case in zip((9, 10, 11), FORCES):
         before = largest(*case)[1]
-        yield Row(
-            f"Fig. {number}",
-            f"Haar coefficient before the slip, {case[1]}",
-            "up to ±0.04 V" if number == 9 else "hardly differs from 2 N",
-            volts(before),
+        published = "up to ±0.04 V" if number == 9 else "hardly differs from 2 N"
+        apart = (
             f"mean {1e3 * (before.mean() - 0.04):+.1f} mV"
             if number == 9
-            else f"{100 * (before.mean() / base.mean() - 1):+.0f} % of ours at 2 N",
+            else f"{100 * (before.mean() / base.mean() - 1):+.0f} % of ours at 2 N"
         )
+        yield from rows_of(f"""
+            Fig. {number} | Haar coefficient before the slip, {case[1]} | {published}
+            | {volts(before)} | {apart}
+        """)
     for number, case in zip((12, 13, 14), MATERIALS):
         before = largest(*case)[1]
-        yield Row(
-            f"Fig. {number}",
-            f"Haar coefficient before the slip, {case[1]}",
-            "hardly differs from acrylic" if number == 12 else "slightly smaller than acrylic",
-            volts(before),
-            f"{100 * (before.mean() / base.mean() - 1):+.0f} % of ours on acrylic",
-        )
+        published = "hardly differs from acrylic" if number == 12 else "slightly smaller than acrylic"
+        yield from rows_of(f"""
+            Fig. {number} | Haar coefficient before the slip, {case[1]} | {published}
+            | {volts(before)} | {100 * (before.mean() / base.mean() - 1):+.0f} % of ours on acrylic
+        """)
 
 
 def compute():
@@ -224,7 +199,7 @@ def cwt_panel(axis, found, time_s):
     axis.grid(False)
 
 
-def draw_cwt(path, name, condition, zooms, gross_s=None):
+def draw_cwt(name, condition, zooms, gross_s=None):
     """Vc at the top, its CWT below, and three enlarged parts of the CWT."""
     run = recording(name, condition)
     hertz = pywt.central_frequency(MORLET) * run.scene.rate_hz
@@ -253,10 +228,10 @@ def draw_cwt(path, name, condition, zooms, gross_s=None):
     if gross_s is not None:
         for axis in (top, middle):
             axis.axvline(gross_s, color=ORANGE, lw=2)
-    save(picture, path)
+    return picture
 
 
-def draw_dwt(path, cases, height):
+def draw_dwt(cases, height):
     """For each case Vc, and below it its Haar detail with the threshold, as published."""
     picture, axes = figure(2 * len(cases), height)
     for (number, (name, condition)), vc, detail in zip(cases, axes[::2, 0], axes[1::2, 0]):
@@ -279,10 +254,10 @@ def draw_dwt(path, cases, height):
         detail.sharex(vc)
         vc.tick_params(labelbottom=False)
     label(axes[-1, 0], "time (s)")
-    save(picture, path)
+    return picture
 
 
-def draw_pull(path):
+def draw_pull():
     run = recording("acrylic_slip", "acrylic 2 N")
     picture, axes = figure(2, 7, sharex=True)
     curve(axes[0, 0], run.time_s, run.tension_n, INK, lw=2)
@@ -291,39 +266,43 @@ def draw_pull(path):
         axis.axvline(run.gross_s, color=ORANGE, lw=2)
     label(axes[0, 0], y="tension (N)", title="acrylic, 2 N, 10 mm/s; line: the plate slips")
     label(axes[1, 0], "time (s)", "Vc (V)")
-    save(picture, path, 24)
+    return picture
 
 
 def draw(folder):
     run = recording("acrylic_slip", "acrylic 2 N")
     start, gross = run.scene.world["stage_start_s"], run.gross_s
-    draw_pull(folder / "initial_slip_4.png")
-    parts = (
+    (first, loaded), (second, last) = ramps(recording("normal_force", "load 2 N"))
+    pulled = (
         (start - 0.2, start + 0.2, "pull begins"),
         ((start + gross) / 2 - 0.2, (start + gross) / 2 + 0.2, "half of the pull"),
         (gross - 0.38, gross - 0.02, "before the slip"),
     )
-    draw_cwt(folder / "initial_slip_5.png", "acrylic_slip", "acrylic 2 N", parts, gross)
-    (first, loaded), (second, last) = ramps(recording("normal_force", "load 2 N"))
-    parts = (
+    pressed = (
         (first, loaded, "loading"),
         (loaded + 0.2, second - 0.2, "held"),
         (second, last, "unloading"),
     )
-    draw_cwt(folder / "initial_slip_7.png", "normal_force", "load 2 N", parts)
-    draw_dwt(folder / "initial_slip_8.png", [(8, PRESSED[0])], 6)
-    draw_dwt(folder / "initial_slip_9.png", list(zip((9, 10, 11), FORCES)), 15)
-    draw_dwt(folder / "initial_slip_12.png", list(zip((12, 13, 14), MATERIALS)), 15)
     lines = "purple: threshold ±0.01 V; orange: the whole contact slips"
-    return [
-        ("initial_slip_4.png", "Figure 4: tension and Vc while the plate is pulled"),
-        ("initial_slip_5.png", "Figure 5: CWT of the pull, from -75 dB of 1 V² (dark) to -25 dB"),
-        (
-            "initial_slip_7.png",
+    forces, materials = list(zip((9, 10, 11), FORCES)), list(zip((12, 13, 14), MATERIALS))
+    drawn = {
+        4: (draw_pull(), "Figure 4: tension and Vc while the plate is pulled"),
+        5: (
+            draw_cwt("acrylic_slip", "acrylic 2 N", pulled, gross),
+            "Figure 5: CWT of the pull, from -75 dB of 1 V² (dark) to -25 dB",
+        ),
+        7: (
+            draw_cwt("normal_force", "load 2 N", pressed),
             "Figure 7: CWT of loading and unloading, in the same colours",
         ),
-        ("initial_slip_8.png", "Figure 8: Vc and level-1 Haar detail of loading and unloading; " + lines),
-        ("initial_slip_9.png", "Figures 9 to 11: Vc and level-1 Haar detail at 2, 3 and 4 N; " + lines),
-        ("initial_slip_12.png", "Figures 12 to 14: the same on wood, cloth and paper; " + lines),
+        8: (
+            draw_dwt([(8, PRESSED[0])], 6),
+            "Figure 8: Vc and Haar detail of loading and unloading; " + lines,
+        ),
+        9: (draw_dwt(forces, 15), "Figures 9 to 11: Vc and Haar detail at 2, 3 and 4 N; " + lines),
+        12: (draw_dwt(materials, 15), "Figures 12 to 14: the same on wood, cloth and paper; " + lines),
+    }
+    return [
+        *((save(one, folder, f"initial_slip_{n}.png"), caption) for n, (one, caption) in drawn.items()),
         *_hand.draw(folder),
     ]

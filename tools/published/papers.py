@@ -1,24 +1,19 @@
 """Pages of docs/papers: each paper's figures and tables beside ours.
 
 A page is a module of this folder with ``TITLE``; ``HEAD``, its first paragraphs; ``compute()``, which gives
-a list of ``Row`` and ``Table`` in the page's order; and optionally ``draw(folder)``, which writes pictures
-there and returns [(file name, caption)]. `make figures FIGURES="rope_slip"` computes and writes one.
+its rows (tuples of HEADER's cells) and sections (Markdown) in the page's order; and optionally
+``draw(folder)``, which writes pictures there and returns [(file name, caption)]. `make figures
+FIGURES="rope_slip"` computes and writes one.
 """
 
 import importlib
-from dataclasses import astuple
 
 from meissner.builds.toolchain import ROOT
-from published import Row
+from published import markdown
 
 FOLDER = ROOT / "docs/papers"
 NAMES = ("capacitive_array", "cop_slip_and_net", "initial_slip", "rope_slip", "shear_and_mesh")
 HEADER = ("figure", "what", "published", "ours", "difference")
-
-
-def markdown(header, rows):
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
 
 
 def page(name, heading, parts, pictures):
@@ -30,16 +25,14 @@ def page(name, heading, parts, pictures):
         "the constants of ours: where each is from, and what it affects."
     )
     rows = []
-    for part in [*parts, None]:
-        if isinstance(part, Row):
-            rows.append([cell or "–" for cell in astuple(part)])
+    for part in [*parts, ""]:
+        if not isinstance(part, str):
+            rows.append([cell or "–" for cell in part])
             continue
         if rows:
             written.append(markdown(HEADER, rows))
             rows = []
-        if part:
-            written += [f"## {part.title}", *([part.text.strip()] if part.text else [])]
-            written += [markdown(part.header, part.rows)] if part.rows else []
+        written += [part] if part else []
     written += [f"![{caption}]({file})\n\n{caption}" for file, caption in pictures]
     return "\n\n".join(written) + "\n"
 

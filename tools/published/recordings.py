@@ -148,71 +148,47 @@ def report(recordings, measured):
     settled = [settled_at(x) for x in recordings.values()]
     hold = {measure: {n: w.holding() for n, w in found.items()} for measure, found in measured.items()}
     held = seconds - (HOLD + AFTER) * len(recordings)
-    both = ("Haar 1", "plain")
+    phases, both = {"whole": measured, "hold": hold}, ("Haar 1", "plain")
+
+    def share(measure, t):
+        """Two cells: alarms per second of the hold, and the share of its windows above the threshold."""
+        above = np.concatenate([w.over[t] for w in hold[measure].values()]).mean()
+        return f"{alarms(hold[measure], t) / held:.3g}", percent(above)
+
+    def spread(watched):
+        p2p = np.concatenate([w.p2p for w in watched.values()])
+        ends = (int(np.percentile(p2p, q, method="inverted_cdf")) for q in (0, 50, 90, 99, 99.9, 100))
+        return *ends, f"{np.median([w.p2p.max() for w in watched.values()]):g}"
+
+    def largest(watched, kind):
+        return max(int(w.p2p.max()) for name, w in watched.items() if name.startswith(kind))
+
+    kinds = sorted({name.split("_HOLD")[0].rsplit("_", 2)[0] for name in recordings})
+    heads = ("lowest", "median", "90 %", "99 %", "99.9 %", "largest", "recording's largest, median")
     parts = [
         f"{len(recordings)} recordings, {seconds:.0f} s, {held:.0f} s of them hold; the signal reached its "
         f"level of the hold after {np.median(settled):.2f} s (median), {max(settled):.2f} s (latest).",
         f"Recordings of {len(recordings)} that raise at least one alarm:",
         table(
-            ["threshold", *(f"{m}, {phase}" for phase in ("whole", "hold") for m in measured)],
-            [[t, *(alarming(of[m], t) for of in (measured, hold) for m in measured)] for t in THRESHOLDS],
+            ["threshold", *(f"{m}, {phase}" for phase in phases for m in measured)],
+            [[t, *(alarming(of[m], t) for of in phases.values() for m in measured)] for t in THRESHOLDS],
         ),
         "In the hold, all recordings together:",
         table(
             ["threshold", *(f"{m}, {what}" for m in both for what in ("alarms per second", "time above"))],
-            [
-                [
-                    t,
-                    *(
-                        cell
-                        for m in both
-                        for cell in (
-                            f"{alarms(hold[m], t) / held:.3g}",
-                            percent(np.concatenate([w.over[t] for w in hold[m].values()]).mean()),
-                        )
-                    ),
-                ]
-                for t in THRESHOLDS
-            ],
+            [[t, *(cell for m in both for cell in share(m, t))] for t in THRESHOLDS],
         ),
         "Peak-to-peak in codes, every window of every recording:",
         table(
-            [
-                "measure",
-                "phase",
-                "lowest",
-                "median",
-                "90 %",
-                "99 %",
-                "99.9 %",
-                "largest",
-                "recording's largest, median",
-            ],
-            [
-                [
-                    m,
-                    phase,
-                    *(int(np.percentile(p2p, q, method="inverted_cdf")) for q in (0, 50, 90, 99, 99.9, 100)),
-                    f"{np.median([w.p2p.max() for w in of[m].values()]):g}",
-                ]
-                for phase, of in (("whole", measured), ("hold", hold))
-                for m in measured
-                for p2p in [np.concatenate([w.p2p for w in of[m].values()])]
-            ],
+            ["measure", "phase", *heads],
+            [[m, phase, *spread(of[m])] for phase, of in phases.items() for m in measured],
         ),
         "Largest peak-to-peak by object, in codes:",
         table(
-            ["object", *(f"{m}, {phase}" for phase in ("whole", "hold") for m in both)],
+            ["object", *(f"{m}, {phase}" for phase in phases for m in both)],
             [
-                [
-                    kind.replace("_", " "),
-                    *(
-                        max(int(w.p2p.max()) for n, w in of[m].items() if n.startswith(kind))
-                        for of in (measured, hold)
-                        for m in both
-                    ),
-                ]
-                for kind in sorted({name.split("_HOLD")[0].rsplit("_", 2)[0] for name in recordings})
+                [kind.replace("_", " "), *(largest(of[m], kind) for of in phases.values() for m in both)]
+                for kind in kinds
             ],
         ),
     ]

@@ -1,19 +1,16 @@
 """Fingertip Tactile Sensor for Detecting Rope Slip, compared with the matrix of 3×3 FSR400; no forest yet."""
 
-import io
 from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from PIL import Image
 
 from meissner import scenes
 from meissner.interval import words
 from meissner.scenes.drawing import BLUE, INK, RED
 from meissner.scenes.fsr import run
-from published import Row
+from published import rows_of
+from published._parts import figure, label, save
 
 TITLE = "Fingertip Tactile Sensor for Detecting Rope Slip (3×3 FSR400, random forest)"
 HEAD = """
@@ -47,82 +44,46 @@ def compute():
     off_ms = max(abs(steps * period_ms - ms) for steps, ms in TABLE_4)
     mean_ms = np.mean([ms for _, ms in TABLE_4])
     turns = np.sign(np.diff(arrays["y"][arrays["valid"]]))
-    return [
-        Row(
-            "1",
-            "sensor",
-            "3×3 FSR400 on a sheet of 45 × 53 mm",
-            f"{scene.rows}×{scene.columns} FSR400 as one network; positions −1 to 1, no millimetres",
-            "none",
-        ),
-        Row(
-            "II-A",
-            "converter",
-            "0 to 4095, 0 to 3.3 V, 0.8 mV a bit",
-            f"0 to {scene.adc.max_code}, 0 to {scene.adc.high_v:g} V, {lsb_mv:.4f} mV a bit; noise of "
-            f"{1e3 * scene.adc.noise_v:g} mV",
-            f"{lsb_mv - 0.8:.4f} mV, rounding of the text",
-        ),
-        Row(
-            "II-A",
-            "rate",
-            "40 Hz, 0.025 s",
-            f"{scene.rate_hz} Hz, {period_ms / 1e3:g} s",
-            "none",
-        ),
-        Row(
-            "II-A",
-            "readout of the matrix",
-            "not printed",
-            f"{scene.readout.circuit}, unselected rows {scene.readout.unselected}, "
-            f"{scene.readout.load_ohm:g} Ω behind each column; ghost "
-            f"{100 * summary['conditions'][0]['ghost']:.2g} %",
-            "–",
-        ),
-        Row(
-            "6",
-            "path of the centre of gravity, numbered every 150 steps",
-            "two paths of a rope; no numbers but the axes'",
-            f"path of a contact of {scene.world['patches'][0]['force_n']:g} N from top to bottom, "
-            f"{len(arrays['x'])} steps: position error {100 * position['mean']:.2g} % of the range on "
-            f"average, {100 * position['maximum']:.2g} % at most; load error {100 * load['mean']:.2g} %; y "
-            f"reverses in {int((turns > 0).sum())} steps of {len(turns)}",
-            "another movement: no rope",
-        ),
-        Row(
-            "6",
-            "working cells reported as dead",
-            "not printed",
-            words(summary["dead_falsely"], "cells"),
-            "–",
-        ),
-        Row(
-            "table II",
-            "labels of the patterns",
-            ", ".join(f"{a} + {b} = {c}" for a, b, c in TABLE_2),
-            "sums "
-            + " and ".join(str(a + b) for a, b, _ in TABLE_2)
-            + "; "
-            + NONE
-            + " of the labels themselves",
-            str(max(abs(a + b - c) for a, b, c in TABLE_2)),
-        ),
-        Row(
-            "table IV",
-            "time steps between report and slip, in milliseconds",
-            f"−{-TABLE_4[1][0]:g} steps are −{-TABLE_4[1][1]:g} ms",
-            f"our frame of {period_ms:g} ms gives every row within {off_ms:.2g} ms; mean of its rows "
-            f"−{-mean_ms:.1f} ms (printed of all trials: −65.1); {NONE} of the detector",
-            f"{off_ms:.2g} ms, rounding",
-        ),
-    ]
+    ours = (
+        "sums " + " and ".join(str(a + b) for a, b, _ in TABLE_2) + "; " + NONE + " of the labels themselves"
+    )
+    return rows_of(f"""
+        1 | sensor | 3×3 FSR400 on a sheet of 45 × 53 mm
+        | {scene.rows}×{scene.columns} FSR400 as one network; positions −1 to 1, no millimetres | none
+
+        II-A | converter | 0 to 4095, 0 to 3.3 V, 0.8 mV a bit
+        | 0 to {scene.adc.max_code}, 0 to {scene.adc.high_v:g} V, {lsb_mv:.4f} mV a bit; noise of
+        {1e3 * scene.adc.noise_v:g} mV | {lsb_mv - 0.8:.4f} mV, rounding of the text
+
+        II-A | rate | 40 Hz, 0.025 s | {scene.rate_hz} Hz, {period_ms / 1e3:g} s | none
+
+        II-A | readout of the matrix | not printed
+        | {scene.readout.circuit}, unselected rows {scene.readout.unselected}, {scene.readout.load_ohm:g} Ω
+        behind each column; ghost {100 * summary["conditions"][0]["ghost"]:.2g} % | –
+
+        6 | path of the centre of gravity, numbered every 150 steps | two paths of a rope; no numbers but
+        the axes'
+        | path of a contact of {scene.world["patches"][0]["force_n"]:g} N from top to bottom,
+        {len(arrays["x"])} steps: position error {100 * position["mean"]:.2g} % of the range on average,
+        {100 * position["maximum"]:.2g} % at most; load error {100 * load["mean"]:.2g} %; y reverses in
+        {int((turns > 0).sum())} steps of {len(turns)} | another movement: no rope
+
+        6 | working cells reported as dead | not printed | {words(summary["dead_falsely"], "cells")} | –
+
+        table II | labels of the patterns | {", ".join((f"{a} + {b} = {c}" for a, b, c in TABLE_2))}
+        | {ours} | {max(abs(a + b - c) for a, b, c in TABLE_2)}
+
+        table IV | time steps between report and slip, in milliseconds | −{-TABLE_4[1][0]:g} steps are
+        −{-TABLE_4[1][1]:g} ms
+        | our frame of {period_ms:g} ms gives every row within {off_ms:.2g} ms; mean of its rows
+        −{-mean_ms:.1f} ms (printed of all trials: −65.1); {NONE} of the detector | {off_ms:.2g} ms,
+        rounding
+    """)
 
 
 def draw(folder):
     arrays = measured().arrays
-    figure = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
-    FigureCanvasAgg(figure)
-    axis = figure.subplots()
+    drawn, axis = figure(1, 1, 8, 6.4)
     valid, steps = arrays["valid"], np.arange(len(arrays["x"]))
     x, y = arrays["x"][valid], arrays["y"][valid]
     pressed = arrays["true_load_n"] > 0
@@ -136,14 +97,8 @@ def draw(folder):
     for mark, k in zip(marks, nearest):
         axis.annotate(str(mark), (x[k], y[k]), (10, 4), textcoords="offset points", color=RED, fontsize=15)
     axis.set(xlim=(-1, 1), ylim=(-1, 1))
-    axis.set_xlabel("centre of gravity, x", fontsize=14)
-    axis.set_ylabel("centre of gravity, y", fontsize=14)
-    axis.tick_params(labelsize=13)
-    axis.legend(frameon=False, fontsize=13)
-    drawn = io.BytesIO()
-    figure.savefig(drawn, facecolor="white")
-    name = "rope_slip_path.png"
-    Image.open(drawn).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(folder / name, optimize=True)
+    label(axis, "centre of gravity, x", "centre of gravity, y")
+    name = save(drawn, folder, "rope_slip_path.png")
     return [
         (
             name,

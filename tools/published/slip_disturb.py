@@ -10,6 +10,8 @@ the flag does not rise between the first event and the slip; ``false alarms``: r
 import sys
 from dataclasses import replace
 
+from msgspec import structs
+
 from meissner import scenes
 from meissner.engines import fixed
 from meissner.scenes.rubber.judge import judge
@@ -25,7 +27,7 @@ SIZES = {
 def measure(key, size, seeds):
     """(wrong, missed, false alarms, least lead in ms or None) of runs 1 to ``seeds``."""
     scene = scenes.load("grip_slip")
-    condition, verdicts = replace(scene.conditions[0], **{key: size}), []
+    condition, verdicts = structs.replace(scene.conditions[0], **{key: size}), []
     scene = replace(scene, conditions=(condition,))
     config = scene.slip_config()
     for seed in range(1, 1 + seeds):

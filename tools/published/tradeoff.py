@@ -6,7 +6,7 @@ import json
 import shutil
 
 from meissner.builds.toolchain import ROOT
-from meissner.tradeoff import page, pool, sweep, table
+from meissner.tradeoff import page, sweep, table, worker
 from meissner.tradeoff.command import RECORD
 from version import VERSION
 
@@ -65,7 +65,7 @@ def write(heading):
     """Sweep every axis and write the page, its pictures and the record; returns the page's path."""
     axes = list(table.every().values())
     FOLDER.mkdir(parents=True, exist_ok=True)
-    rows = sweep.run(axes, FOLDER, workers=pool.cores())
+    rows = sweep.run(axes, FOLDER, workers=worker.cores())
     page.write(FOLDER, axes, rows, {})
     PICTURES.mkdir(exist_ok=True)
     for axis in axes:

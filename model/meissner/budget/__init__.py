@@ -1,8 +1,8 @@
 """``meissner budget``: the performance of a configuration, term by term, before anything is built.
 
 Without ``--cop4`` it prints the latency of a scanned array (meissner.budget.array), with it the resolution of
-a four-wire sensor (meissner.budget.cop4). With ``--config`` it prints the budget of each stage of a build
-(meissner.builds.stages), from the module here that has the stage's name.
+a four-wire sensor (meissner.budget.cop4). With ``--config`` it prints the budget of each feature of a build
+(meissner.builds.features), from the module here that has the feature's name.
 """
 
 import json
@@ -28,7 +28,7 @@ def _picture(out):
 def command(arguments):
     """``meissner budget``."""
     if arguments.config is not None:
-        _stages(arguments)
+        _features(arguments)
         return
     side = 41 if arguments.cop4 else 64
     for name in ("rows", "columns"):
@@ -56,19 +56,19 @@ def command(arguments):
         print(f"\npicture: {_picture(arguments.out)}")
 
 
-def _stages(arguments):
+def _features(arguments):
     from meissner.builds import config
-    from meissner.builds.stages import STAGES
+    from meissner.builds.features import FEATURES
 
     if arguments.cop4 or arguments.out:
         raise ValueError("--config must go without --cop4 and --out")
     build = config.load(arguments.config)
-    if not build.stages:
-        known = ", ".join(f"[{name}]" for name in STAGES)
+    if not build.features:
+        known = ", ".join(f"[{name}]" for name in FEATURES)
         raise ValueError(
-            f"{build.name} has none of the stages with a budget, {known}; the configuration grip has one"
+            f"{build.name} has none of the features with a budget, {known}; the configuration grip has one"
         )
-    modules = {name: import_module(f"meissner.budget.{name}") for name in build.stages}
+    modules = {name: import_module(f"meissner.budget.{name}") for name in build.features}
     found = {name: module.budget(build) for name, module in modules.items()}
     if arguments.json:
         print(json.dumps(found if len(found) > 1 else next(iter(found.values())), indent=2))

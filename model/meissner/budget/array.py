@@ -7,7 +7,7 @@ from meissner.twins.frontend.adc_spi import PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
-from meissner.twins.sensor.sensor_array import Array
+from meissner.twins.sensor.sensors import Array
 
 BUDGET_S = 1e-3
 LANES = (1, 2, 4, 8)

@@ -1,12 +1,7 @@
 """The budget of a four-wire sensor in words and as a picture."""
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-
-from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED
+from meissner.scenes.drawing import BLUE, GREEN, INK, LINES, ORANGE, PURPLE, lighten, new_figure
 from meissner.scenes.results import table
-
-LINES = (BLUE, ORANGE, GREEN, RED, PURPLE, INK)
 
 
 def _percent(value):
@@ -67,11 +62,9 @@ def tell(found):
 
 def draw(file, found):
     """Position over bits by gain; position and load over the load; PNG into the open ``file``."""
-    figure = Figure(figsize=(13, 4.8), layout="constrained")
-    FigureCanvasAgg(figure)
     f = found
     size = f"{f['rows']}×{f['columns']}, r = {f['r_ohm']:g} Ω, R0 = {f['R0_ohm']:g} Ω, V0 = ±{f['V0_v']:g} V"
-    figure.suptitle(f"{size}: what the converter resolves", fontsize=13, x=0.01, ha="left", fontweight="bold")
+    figure = new_figure(13, 4.8, f"{size}: what the converter resolves")
     bits, over, load = figure.subplots(1, 3)
     gains = list(dict.fromkeys(row["gain"] for row in f["sweep"]))
     for gain, colour in zip(gains, LINES):
@@ -111,8 +104,6 @@ def draw(file, found):
     over.set_xscale("log")
     for axis in (bits, over, load):
         axis.set_yscale("log")
-        axis.spines[["top", "right"]].set_visible(False)
-        axis.grid(color="#E6E6E6", lw=0.6)
-        axis.set_axisbelow(True)
+        lighten(axis)
         axis.legend(frameon=False, fontsize=9)
     figure.savefig(file, format="png", dpi=110, facecolor="white")

@@ -19,7 +19,7 @@ NAMES = {
 
 def budget(config):
     """The numbers of ``meissner budget --config``; ``config``: meissner.builds.build.Config with [grip]."""
-    slip, reflex = config.slip, config.stages["grip"].grip
+    slip, reflex = config.slip, config.features["grip"].grip
     terms = {
         "frame_filter": 1,
         "haar": slip.level,

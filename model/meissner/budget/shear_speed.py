@@ -17,7 +17,7 @@ NAMES = {
 
 def budget(config):
     """``config``: meissner.builds.build.Config with [shear_speed]."""
-    settings = config.stages["shear_speed"].shear
+    settings = config.features["shear_speed"].shear
     terms = {
         "frame_filter": 1,
         "look": 2,

@@ -1,19 +1,16 @@
 """From a board and a configuration to a bitstream: Yosys, nextpnr, the packer, and their reports.
 
-Each build works in its own folder, which replaces the previous one when it is complete, so concurrent or
-interrupted builds never leave a mixed folder. A build that fails leaves its logs in <folder>.failed.
+A build works in <folder>.part, which replaces the previous build's folder when it is complete. One that fails
+or is interrupted leaves its logs there.
 """
 
-import fcntl
 import json
 import math
 import re
 import shutil
-import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 from meissner.builds import boards
@@ -33,40 +30,30 @@ class TooLarge(ToolError):
 
 @contextmanager
 def private(name: str) -> Iterator[str]:
-    """A folder for one build, relative to ROOT; at the end it replaces ``OUT``/``name``."""
-    out = ROOT / OUT
-    out.mkdir(parents=True, exist_ok=True)
-    work = tempfile.mkdtemp(prefix=f"{name}.", suffix=".part", dir=out)
-    final, mine = out / name, out / work
-    mine.chmod(0o755)
-    try:
-        yield f"{OUT}/{mine.name}"
-    except ToolError as error:
-        failed = out / f"{name}.failed"
-        _replace(mine, failed)
-        words = [str(word).replace(mine.name, failed.name) for word in error.args]
-        error.args, error.tail = tuple(words), error.tail.replace(mine.name, failed.name)
-        raise
-    except BaseException:
-        shutil.rmtree(mine, ignore_errors=True)
-        raise
-    _replace(mine, final)
-    shutil.rmtree(out / f"{name}.failed", ignore_errors=True)
-
-
-def _replace(fresh: Path, final: Path) -> None:
-    """Replace the folder ``final`` by ``fresh``, one build at a time."""
-    with (final.parent / ".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        old = fresh.with_suffix(".old")
-        if final.exists():
-            final.rename(old)
-        fresh.rename(final)
-    shutil.rmtree(old, ignore_errors=True)
+    """A folder for one build, relative to ROOT; once the build is complete it replaces ``OUT``/``name``."""
+    final, part = ROOT / OUT / name, ROOT / OUT / f"{name}.part"
+    shutil.rmtree(part, ignore_errors=True)
+    part.mkdir(parents=True)
+    yield f"{OUT}/{part.name}"
+    shutil.rmtree(final, ignore_errors=True)
+    part.rename(final)
 
 
 def synthesise(board: Board, config: str, folder: str) -> "tuple[str, Counter[str]]":
-    """Make the netlist for place and route in ``folder``: (stem of its files, cell counts)."""
+    """Make the netlist for place and route in ``folder``.
+
+    Returns
+    -------
+    stem : str
+        The files without their suffixes, relative to ROOT.
+    cells : Counter
+        Number of cells of each type.
+
+    Raises
+    ------
+    ToolError
+        If Yosys fails; ValueError if the board lacks the pins.
+    """
     boards.write_board(folder, board, config)
     stem = f"{folder}/{board.top}"
     script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {' '.join(board.sources)} {stem}.sv; "
@@ -123,7 +110,22 @@ def place(
     seed: int,
     limit_s: int = LIMIT_S,
 ) -> Report:
-    """Place and route with one seed; returns nextpnr's report. ToolError if it exceeds its time limit."""
+    """nextpnr's report of place and route with one seed.
+
+    Parameters
+    ----------
+    clk_mhz : float
+        Goal; a slower result is no error.
+    limit_s : int
+        Of processor time, in seconds.
+
+    Raises
+    ------
+    TooLarge
+        If the design does not fit the device.
+    ToolError
+        If the tool fails or exceeds its time.
+    """
     words = board.pnr.format(stem=stem, device=board.devices.get(device or ""))
     program, *options = words.split()
     report, log = f"{stem}.{seed}.report.json", f"{stem}.{seed}.pnr.log"
@@ -149,10 +151,20 @@ def build(
     patient: bool,
     limit_s: int = LIMIT_S,
 ) -> dict[str, Any]:
-    """Build in ``folder`` with ``seeds``; returns the entry of resources.json for this pair.
+    """Build in ``folder``; returns the entry of resources.json for this pair.
 
-    ``device``: its name, or None for the board's smallest that fits. ``patient``: place with every seed, all
-    must succeed; otherwise stop at the first seed that meets the clock and skip seeds that fail.
+    Parameters
+    ----------
+    device : str, optional
+        Its name; None: the board's smallest that fits.
+    patient : bool
+        Place with every seed, all must succeed; otherwise stop at the first seed that meets the clock and
+        skip seeds that fail.
+
+    Raises
+    ------
+    ToolError
+        If no seed meets the clock; TooLarge if the design fits no device.
     """
     clk_mhz = board.parameters(config)["ClkKhz"] / 1000
     stem, cells = synthesise(board, config, folder)
@@ -199,13 +211,7 @@ def build(
 
 
 def _fitting(
-    board: Board,
-    config: str,
-    sizes: list[str | None],
-    stem: str,
-    clk_mhz: float,
-    seed: int,
-    limit_s: int,
+    board: Board, config: str, sizes: list[str | None], stem: str, clk_mhz: float, seed: int, limit_s: int
 ) -> Report:
     """nextpnr's report for the first device that the design fits; smaller ones are removed from ``sizes``."""
     while True:

@@ -23,14 +23,23 @@ COMMON = ("rtl/boards/msn_board_reset.sv", "rtl/boards/msn_board.sv")
 
 @dataclass(frozen=True)
 class Board:
-    """One board: ``pnr`` and ``pack`` are commands in which bitstream.py fills in the files.
+    """One board.
 
-    ``cells``: family of the netlist's cells; ``constraints``: suffix of the file of pins;
-    ``configs``: the named configurations that it is offered with,
-    each with the settings that the board, not the file, determines (see meissner.builds.config.load).
-    ``left_out``: every other named configuration, with the reason as part of a sentence.
-    ``devices``: the devices that the board is sold with, smallest first: {name: option of place and route};
-    empty if there is only one. A configuration's ``device``: the smallest that it fits and meets timing on.
+    Attributes
+    ----------
+    cells : str
+        Family of the netlist's cells: ice40, ecp5 or gowin.
+    synth, pnr, pack : str
+        Commands in which bitstream.py fills in the files.
+    constraints, bitstream : str
+        Suffixes of the file of pins and of the bitstream.
+    configs : dict
+        The named configurations that it is offered with, each with the settings that the board, not the
+        file, determines (see meissner.builds.config.load); ``device``: the smallest with room and speed.
+    left_out : dict
+        Every other named configuration, with the reason as part of a sentence.
+    devices : dict
+        {name: option of place and route} as sold, smallest first; empty if there is only one.
     """
 
     name: str
@@ -55,7 +64,13 @@ class Board:
         return self.changes(name).get("device")
 
     def plan(self, name: str) -> pins.Plan:
-        """meissner.builds.pins.Plan; ValueError if the board lacks the pins or the clock."""
+        """The pins of that configuration.
+
+        Raises
+        ------
+        ValueError
+            If the board lacks the pins or the clock.
+        """
         return pins.assign(pins.description(self.name), label(name), self.parameters(name))
 
     def parameters(self, name: str) -> dict[str, int]:

@@ -5,8 +5,8 @@ from functools import cached_property
 from math import ceil
 from typing import Any
 
+from meissner.builds.features import FEATURES
 from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
-from meissner.builds.stages import STAGES
 from meissner.builds.units import Units
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, values
@@ -24,8 +24,8 @@ class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: tables of its file.
 
     ``slip``: its settings in codes; ``serial``: the slip path with two bits per clock; ``cop_slip``: (lag,
-    registers); each None (or False) if the build has none; ``stages``: {name: settings} of
-    meissner.builds.stages. ``clk_khz``, ``rate_hz``: the clock, and frames per second.
+    registers); each None (or False) if the build has none; ``features``: {name: settings} of
+    meissner.builds.features. ``clk_khz``, ``rate_hz``: the clock, and frames per second.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Config:
     min_load_n: float = 0.0
     cop4: Cop4Config | None = None
     cop_slip: tuple[int, CopSlipRegisters] | None = None
-    stages: dict[str, Any] = field(default_factory=dict)
+    features: dict[str, Any] = field(default_factory=dict)
 
     @property
     def kind(self) -> str:
@@ -106,15 +106,14 @@ class Config:
         """Twin of the scan, for an array."""
         adc = self._array_adc
         return ScanAdc(
-            *(*self.shape, adc.converters, self.part),
-            *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz),
+            *(*self.shape, adc.converters, self.part), *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz)
         )
 
     @cached_property
     def converter(self) -> AdcSpi:
         """Twin of a converter with its channels; those of an array work in parallel."""
         if self.array:
-            return self.scan.adc  # type: ignore[attr-defined]
+            return self.scan.adc
         sizes = (self.part, self.channels, self.adc.lanes, self.clk_khz, self.adc.sclk_khz)
         return AdcSpi(*sizes, self.sample_bits)
 
@@ -163,8 +162,8 @@ class Config:
                 found |= {f"cop4.p{place}": int(value) for place, value in enumerate(self.cop4.terms.p)}
         if self.cop_slip:
             found |= {f"cop_slip.{key}": value for key, value in asdict(self.cop_slip[1]).items()}
-        for name, stage in self.stages.items():
-            found |= {f"{name}.{key}": value for key, value in stage.settings.items()}
+        for name, feature in self.features.items():
+            found |= {f"{name}.{key}": value for key, value in feature.settings.items()}
         return found
 
     @property
@@ -192,8 +191,8 @@ class Config:
             found |= {"Cop4": 1, "Correct": int(self.cop4.terms is not None)}
             found |= {"CopSlip": int(self.cop_slip is not None)}
             found |= {"Lag": self.cop_slip[0]} if self.cop_slip else {}
-        for name in self.stages:
-            found |= STAGES[name].PARAMETERS
+        for name in self.features:
+            found |= FEATURES[name].PARAMETERS
         found |= {"Registers": int(link.registers), "Statistics": int(link.statistics)}
         found |= {"SlipOnly": int(link.slip_only)}
         return found | {"Resets": reset_word(self.settings)}
@@ -238,8 +237,8 @@ class Config:
                 check_serial(self.channels, self.slip)
             except ValueError as problem:
                 raise ValueError(f"[slip]: {problem}") from None
-        for name in self.stages:
-            STAGES[name].check(self)
+        for name in self.features:
+            FEATURES[name].check(self)
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
         if self.link.images and not self.array:

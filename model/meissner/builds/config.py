@@ -17,7 +17,7 @@ import msgspec
 
 from meissner.builds import four_wires, keys
 from meissner.builds.build import Config, verilog
-from meissner.builds.stages import STAGES
+from meissner.builds.features import FEATURES
 from meissner.tables import Table, naming, one_of, parse
 from meissner.tables import read as read_table
 from meissner.terminal import plain
@@ -134,13 +134,13 @@ def _read(name: str, file: Any) -> Config:
     if file.slip:
         with naming("[slip]"):
             base = replace(base, serial=file.slip.serial, slip=file.slip.codes(base.units))
-    stages = {}
-    for stage, module in STAGES.items():
-        given = getattr(file, stage, None)
+    features = {}
+    for feature, module in FEATURES.items():
+        given = getattr(file, feature, None)
         if given:
-            with naming(f"[{stage}]"):
-                stages[stage] = module.config(given, base)
-    return replace(base, stages=stages).check()
+            with naming(f"[{feature}]"):
+                features[feature] = module.config(given, base)
+    return replace(base, features=features).check()
 
 
 def command_list(_: Namespace) -> None:

@@ -6,9 +6,9 @@ import msgspec
 from msgspec import Meta
 
 from meissner.builds.cop_tables import Cop, CopSlipKeys
+from meissner.builds.features import FEATURES
 from meissner.builds.four_wires import Load, MeshKeys
 from meissner.builds.slip_table import SlipNewtons, SlipVolts
-from meissner.builds.stages import STAGES
 from meissner.tables import Positive, Table, one_of, shown
 from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
 from meissner.twins.frontend.adc_spi import Part
@@ -169,16 +169,16 @@ class ElectrodesFile(File, frozen=True, kw_only=True):
 
 
 class ChannelsFile(File, frozen=True, kw_only=True):
-    """A build of single sensors; the stages' tables are added below."""
+    """A build of single sensors; the features' tables are added below."""
 
     sensor: Channels
     adc: Adc
     slip: SlipVolts
 
 
-_stages: list[Any] = [(name, stage.Keys | None, None) for name, stage in STAGES.items()]
+_features: list[Any] = [(name, feature.Keys | None, None) for name, feature in FEATURES.items()]
 FILES: dict[str, Any] = {
-    "channels": msgspec.defstruct("StagesFile", _stages, bases=(ChannelsFile,), kw_only=True, frozen=True),
+    "channels": msgspec.defstruct("OwnFile", _features, bases=(ChannelsFile,), kw_only=True, frozen=True),
     "array": ArrayFile,
     "electrodes": ElectrodesFile,
 }

@@ -48,9 +48,21 @@ def verilog(
 ) -> list[Path]:
     """Paths of the netlist of ``top`` in ``cells`` and of the cells' models, made now unless they exist.
 
-    ``cells``: ice40, ecp5 or gowin, synthesised as for the boards of that family; ``parameters``: numbers or
-    SystemVerilog constants; ``kept``: wires of ``top`` whose names must be kept; ``include``: folder of a
-    board's msn_build.svh.
+    Parameters
+    ----------
+    parameters : mapping
+        Numbers or SystemVerilog constants.
+    cells : str
+        ice40, ecp5 or gowin, synthesised as for the boards of that family.
+    kept : sequence of str
+        Wires of ``top`` whose names must be kept.
+    include : str, optional
+        Folder of a board's msn_build.svh.
+
+    Raises
+    ------
+    ToolError
+        If Yosys fails or is not installed.
     """
     synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
     keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)

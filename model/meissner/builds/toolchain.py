@@ -66,7 +66,13 @@ def sources_of(top: str) -> list[Path]:
 
 
 def need_compiler() -> None:
-    """Raise ValueError, with one sentence, if g++ or make, which compile Verilator's C++, are missing."""
+    """Check for g++ and make, which compile Verilator's C++.
+
+    Raises
+    ------
+    ValueError
+        If one is missing.
+    """
     gone = [tool for tool in ("g++", "make") if shutil.which(tool, path=environment()["PATH"]) is None]
     if gone:
         names = " and ".join(gone)
@@ -101,6 +107,11 @@ def _elsewhere() -> Path:
 def for_make(path: str | Path) -> Path:
     """The absolute ``path`` in a form for Verilator's makefiles: through a symbolic link if it has a space, a
     non-ASCII letter or another character special to make. The makefiles quote nothing, so quotes do not help.
+
+    Raises
+    ------
+    ValueError
+        If the file's own name has such a character.
     """
     path = Path(path)
     if _FOR_MAKE.fullmatch(str(path)):

@@ -22,28 +22,17 @@ import numpy as np
 from meissner.tables import exact, naming
 
 FRACTION_BITS = 14  # of x and y in a CoP packet
-CODES = {  # (register, quantity): method of Units that converts the amount to a code
-    ("slip.threshold", "volts"): "detail_code",
-    ("slip.threshold", "newtons"): "detail_code_of_newtons",
-    ("slip.gross_threshold", "volts"): "detail_code",
-    ("slip.gross_threshold", "newtons"): "detail_code_of_newtons",
-    ("slip.keep_threshold", "volts"): "detail_code",
-    ("slip.keep_threshold", "newtons"): "detail_code_of_newtons",
-    ("slip.contact_level", "volts"): "level_code",
-    ("slip.release_level", "volts"): "level_code",
-    ("slip.contact_level", "newtons"): "level_code_of_newtons",
-    ("slip.release_level", "newtons"): "level_code_of_newtons",
-    ("slip.hold", "seconds"): "details",
-    ("slip.refractory", "seconds"): "details",
-    ("slip.blank", "seconds"): "details",
-    ("cop.min_load", "newtons"): "load_code",
-    ("cop4.min_load", "newtons"): "load_code",
-    ("cop_slip.min_load", "newtons"): "load_code",
-    ("adc.period", "seconds"): "clocks",
-    ("scan.period", "seconds"): "clocks",
-    ("grip.period", "seconds"): "clocks",
-    ("scan.settle", "seconds"): "settle_clocks",
-}
+_METHODS = (  # quantity, method of Units that converts an amount to a code, registers
+    ("volts", "detail_code", "slip.threshold slip.gross_threshold slip.keep_threshold"),
+    ("newtons", "detail_code_of_newtons", "slip.threshold slip.gross_threshold slip.keep_threshold"),
+    ("volts", "level_code", "slip.contact_level slip.release_level"),
+    ("newtons", "level_code_of_newtons", "slip.contact_level slip.release_level"),
+    ("seconds", "details", "slip.hold slip.refractory slip.blank"),
+    ("newtons", "load_code", "cop.min_load cop4.min_load cop_slip.min_load"),
+    ("seconds", "clocks", "adc.period scan.period grip.period"),
+    ("seconds", "settle_clocks", "scan.settle"),
+)
+CODES = {(name, unit): method for unit, method, names in _METHODS for name in names.split()}
 
 
 def floor_root(value: Fraction, level: int) -> int:

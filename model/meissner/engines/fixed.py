@@ -1,14 +1,26 @@
 """Engine ``fixed``: the integer twins, vectorised; bit-exact with the RTL.
 
-Each stage imports its twins on use, so a scene loads only those of its features.
+Each function imports its twins on use, so a scene loads only those of its features.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import NDArray
 
-from meissner.engines import Watched, moving_of_details
+from meissner.arrays import Arrays, Bools, Ints
+from meissner.engines import Carrier, Watched, moving_of_details
+from meissner.engines.protocol import ElectrodesSlip, Windows
+from meissner.twins.slip.config import SlipConfig
+
+if TYPE_CHECKING:
+    from meissner.calibration import Calibration
+    from meissner.physics.cop4_config import Cop4Config
+    from meissner.twins.cop.cop4 import Cop4
+    from meissner.twins.cop.cop_slip import CopSlipRegisters
 
 
-def watch(x, config, moving=None):
+def watch(x: Ints, config: SlipConfig, moving: Bools | None = None) -> Watched:
     """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
     from meissner.twins.slip.slip_path import decide
 
@@ -18,7 +30,7 @@ def watch(x, config, moving=None):
     return Watched(p2p=found.p2p, over=over, state=found.state, end=found.end, blanked=found.blanked)
 
 
-def windows(x, config, count):
+def windows(x: Ints, config: SlipConfig, count: int) -> Windows:
     """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     from meissner.twins.slip.peak_to_peak import sliding
     from meissner.twins.slip.slip_path import details
@@ -47,28 +59,28 @@ def windows(x, config, count):
     return p2p, p2p > config.threshold, first
 
 
-def cop(forces, min_load=1):
+def cop(forces: NDArray[np.uint16], min_load: int = 1) -> Arrays:
     """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""
-    from meissner.twins.cop.cop_accumulate import moments
-    from meissner.twins.cop.cop_divide import cop_divide
+    from meissner.twins.cop.cop import cop_divide, moments
 
     frames, rows, columns = forces.shape
     sums = np.empty((3, frames), dtype=np.int64)
     piece = max(1, (1 << 17) // (rows * columns))  # fits the cache as int64
     for start in range(0, frames, piece):
         sums[:, start : start + piece] = moments(forces[start : start + piece])
-    x, y, valid = cop_divide(*sums, rows, columns, min_load=min_load)
-    return {"sum": sums[0], "mx": sums[1], "my": sums[2], "x": x, "y": y, "valid": valid}
+    total, mx, my = sums
+    x, y, valid = cop_divide(total, mx, my, rows, columns, min_load=min_load)
+    return {"sum": total, "mx": mx, "my": my, "x": x, "y": y, "valid": valid}
 
 
-def cop4(codes, config):
+def cop4(codes: Ints, config: "Cop4Config") -> "Cop4":
     """``Cop4`` of codes [samples, 4]; ``config``: Cop4Config."""
     from meissner.twins.cop import cop4 as electrodes
 
     return electrodes.cop4(codes, config.registers, config.sample_bits, config.terms)
 
 
-def cop_slip(codes, config, lag, registers):
+def cop_slip(codes: Ints, config: "Cop4Config", lag: int, registers: "CopSlipRegisters") -> ElectrodesSlip:
     """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]; ``registers``: CopSlipRegisters."""
     from meissner.twins.cop.cop_slip import CopSlip
 
@@ -76,12 +88,12 @@ def cop_slip(codes, config, lag, registers):
     return found, CopSlip(lag, registers).process(found.x, found.y, found.load, found.pressed)
 
 
-def demodulate(samples, carrier):
+def demodulate(samples: Ints, carrier: Carrier) -> Ints:
     """Amplitudes [...] of carriers [..., samples]; ``carrier``: meissner.engines.Carrier."""
     return carrier.block.amplitude(np.asarray(samples)[..., carrier.skip :], carrier.shift)[0]
 
 
-def calibrate(codes, calibration):
+def calibrate(codes: NDArray[np.int32], calibration: "Calibration") -> NDArray[np.uint16]:
     """Forces of codes; ``calibration``: meissner.calibration.Calibration."""
     from meissner.twins.frontend.calibrate import forces as calibrated
 

@@ -6,18 +6,28 @@
 with p = 0 unless the load is corrected (meissner.physics.mesh.correction).
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import ArrayLike
 
+from meissner.arrays import Bools, Floats, Ints
 from meissner.engines import COP_ONE
+from meissner.engines.protocol import ElectrodesSlip
+from meissner.physics.cop4_config import Cop4Config
+from meissner.physics.mesh import Solution
 from meissner.physics.mesh.correction import load_terms
-from meissner.twins.cop.cop4 import LOAD_BITS, Cop4
+from meissner.twins.cop.cop4 import LOAD_BITS, Cop4, Cop4Registers
+
+if TYPE_CHECKING:
+    from meissner.twins.cop.cop_slip import CopSlipRegisters
 
 
-def _ratio(above, below, where):
+def _ratio(above: Floats, below: Floats, where: Bools) -> Floats:
     return np.divide(above, below, out=np.zeros(len(where)), where=where)
 
 
-def measure(codes, config):
+def measure(codes: ArrayLike, config: Cop4Config) -> tuple[Floats, Floats, Floats, Bools]:
     """x, y (-1 .. 1), load (N, infinite if out of range) and absence of faults, of codes [samples, 4]."""
     mesh = config.mesh
     e1, e2, e3, e4 = (np.asarray(codes) * config.volts_per_code).T
@@ -32,7 +42,7 @@ def measure(codes, config):
     return x, y, load, ~saturated & ~imbalance & (opened == 0)
 
 
-def flags(codes, registers):
+def flags(codes: ArrayLike, registers: Cop4Registers) -> tuple[Bools, Bools, Ints]:
     """saturated, imbalance, open (bit 0 for E1) of codes [samples, 4], by docs/cop4.md.
 
     An electrode is open at ``idle`` or above while its partner across the layer is at ``busy`` or below; the
@@ -49,23 +59,23 @@ def flags(codes, registers):
     return saturated, imbalance, opened
 
 
-def _nearest(value):
+def _nearest(value: Floats) -> Floats:
     """Round to integers, ties away from zero."""
     return np.sign(value) * np.floor(np.abs(value) + 0.5)
 
 
-def cop4(codes, config):
+def cop4(codes: ArrayLike, config: Cop4Config) -> Cop4:
     """``Cop4`` of codes [samples, 4]: the core's numbers, each rounded once."""
     x, y, load, sound = measure(codes, config)
     top = (1 << LOAD_BITS) - 1
-    load = _nearest(load / config.load_lsb_n)
-    over, load = load > top, np.minimum(load, top).astype(np.int64)
-    pressed = sound & (load > 0) & (load >= config.registers.min_load)
-    x, y = (np.where(pressed, _nearest(value * COP_ONE), 0).astype(np.int32) for value in (x, y))
-    return Cop4(x, y, load, pressed, over, *flags(codes, config.registers))
+    exact = _nearest(load / config.load_lsb_n)
+    over, amount = exact > top, np.minimum(exact, top).astype(np.int64)
+    pressed = sound & (amount > 0) & (amount >= config.registers.min_load)
+    across, up = (np.where(pressed, _nearest(value * COP_ONE), 0).astype(np.int32) for value in (x, y))
+    return Cop4(across, up, amount, pressed, over, *flags(codes, config.registers))
 
 
-def cop4_of_volts(solution):
+def cop4_of_volts(solution: Solution) -> tuple[Floats, Floats, Floats, Bools]:
     """x, y, load (N) and valid of each sample, from the electrodes of a mesh's Solution.
 
     It uses the voltages directly, without a converter. Without a load, not valid and all zero.
@@ -77,7 +87,7 @@ def cop4_of_volts(solution):
     return x, y, mesh.Kf * _ratio(drop_a, e1 + e3 - e2 - e4, valid), valid
 
 
-def cop_slip(codes, config, lag, registers):
+def cop_slip(codes: Ints, config: Cop4Config, lag: int, registers: "CopSlipRegisters") -> ElectrodesSlip:
     """``Cop4`` and ``CopSlipResult`` of codes [samples, 4], with decisions on unrounded numbers.
 
     slip where the load fell by more than a share of its value ``lag`` samples earlier while a coordinate

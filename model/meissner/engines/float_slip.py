@@ -5,16 +5,20 @@ The states come from an independent loop on the times of past events and unround
 
 import numpy as np
 import pywt
+from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
+from meissner.arrays import Bools, Floats, Ints
 from meissner.engines import Watched, moving_of_details
+from meissner.engines.protocol import Windows
+from meissner.twins.slip.config import SlipConfig
 
 NONE, CONTACT, INCIPIENT, GROSS, RELEASE = range(5)
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
 HALF_CODE = 0.5
 
 
-def _coefficients(x, config):
+def _coefficients(x: Ints, config: SlipConfig) -> tuple[Floats, Floats]:
     """Detail and sum in codes: PyWavelets' cD and cA of that level times sqrt(2)**level."""
     level = config.level
     whole = x.shape[1] >> level << level
@@ -25,7 +29,7 @@ def _coefficients(x, config):
     return detail * scale, approximation * scale
 
 
-def _sliding(detail, span):
+def _sliding(detail: Floats, span: int) -> Floats:
     """Maximum minus minimum over the last ``span`` details at each detail (fewer at the start)."""
     shift = span // 2 - 1
     high = maximum_filter1d(detail, span, axis=1, origin=shift, mode="constant", cval=-np.inf)
@@ -33,7 +37,7 @@ def _sliding(detail, span):
     return high - low
 
 
-def _running(detail, span, hop):
+def _running(detail: Floats, span: int, hop: int) -> Floats:
     """Peak-to-peak of the current window at each detail, by SciPy's rank filters or window by window."""
     if hop not in (span, span // 2):
         return _sliding(detail, span)
@@ -45,7 +49,7 @@ def _running(detail, span, hop):
     return p2p
 
 
-def first_crossing(x, config, start=0):
+def first_crossing(x: ArrayLike, config: SlipConfig, start: int = 0) -> int | None:
     """First detail, from number ``start`` on, at which the exact sliding window is over; None if none is.
 
     No detector with this wavelet, window and threshold can detect it earlier; ``x``: [samples].
@@ -56,7 +60,7 @@ def first_crossing(x, config, start=0):
     return start + int(crossing[0]) if len(crossing) else None
 
 
-def watch(x, config, moving=None):
+def watch(x: Ints, config: SlipConfig, moving: Bools | None = None) -> Watched:
     """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
     detail, total = _coefficients(x, config)
     group = 1 << config.level
@@ -75,7 +79,7 @@ def watch(x, config, moving=None):
     )
 
 
-def windows(x, config, count):
+def windows(x: Ints, config: SlipConfig, count: int) -> Windows:
     """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     group = 1 << config.level
     span, hop = config.window // group, config.hop // group
@@ -90,7 +94,7 @@ def windows(x, config, count):
     return p2p, p2p > limit, np.argmax(running > limit, axis=2)
 
 
-def states(p2p, level, config, moving):
+def states(p2p: Floats, level: Floats, config: SlipConfig, moving: Bools) -> tuple[NDArray[np.int8], int]:
     """States [channels, details] of p2p and level, and the number of details over while blanked or moving."""
     found, blanked = np.empty(p2p.shape, dtype=np.int8), 0
     for channel, (sizes, levels) in enumerate(zip(p2p.tolist(), level.tolist())):
@@ -99,7 +103,9 @@ def states(p2p, level, config, moving):
     return found, blanked
 
 
-def _channel(sizes, levels, moving, config):
+def _channel(
+    sizes: list[float], levels: list[float], moving: list[bool], config: SlipConfig
+) -> tuple[list[int], int]:
     sign = 1 if config.contact_rises else -1
     press, let_go = sign * config.contact_level, sign * config.release_level
     state, blanked, states = NONE, 0, []

@@ -1,9 +1,12 @@
 """Engine ``gate``: the netlist after synthesis, in ECP5 cells, with the drivers of engine ``rtl``."""
 
-from meissner.engines import rtl, rtl_core
+from functools import cache
+from typing import Any
+
+from meissner.engines import rtl
 from meissner.engines.verilated import of_gates
 
-watch, windows, watch_pins = (of_gates(f) for f in (rtl.watch, rtl.windows, rtl.watch_pins))
-cop, cop4, cop_slip = (of_gates(f) for f in (rtl.cop, rtl.cop4, rtl.cop_slip))
-calibrate, demodulate = of_gates(rtl.calibrate), of_gates(rtl.demodulate)
-core_on_pins = of_gates(rtl_core.CoreOnPins)
+
+@cache
+def __getattr__(name: str) -> Any:
+    return of_gates(getattr(rtl, name))

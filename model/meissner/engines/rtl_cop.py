@@ -3,9 +3,12 @@
 import ctypes
 
 import numpy as np
+from numpy.typing import NDArray
 
+from meissner.arrays import Arrays, Ints
 from meissner.engines import verilated
-from meissner.twins.cop.cop_accumulate import sum_bits
+from meissner.engines.protocol import Waves
+from meissner.twins.cop.cop import sum_bits
 
 WIDE = 16  # from this many columns on, eight lanes simulate faster than one
 TRACE_CLK_KHZ = 100_000
@@ -16,13 +19,13 @@ class _Results(ctypes.Structure):
     _fields_ = tuple((name, ctypes.c_void_p) for name in ("sum", "mx", "my", "x", "y", "valid"))
 
 
-def lanes(columns):
+def lanes(columns: int) -> int:
     """Columns per beat of a build for this many columns."""
     return 8 if columns >= WIDE else 1
 
 
 @verilated.cached
-def _open(rows, columns, trace=False):
+def _open(rows: int, columns: int, trace: bool = False) -> ctypes.CDLL:
     parameters = {"Rows": rows, "Columns": columns, "Lanes": lanes(columns)}
     lib = ctypes.CDLL(str(verilated.library("msn_cop", "cop_driver.cpp", parameters, trace)))
     lib.cop_run.restype = ctypes.c_int64
@@ -34,13 +37,13 @@ def _open(rows, columns, trace=False):
     return lib
 
 
-def _signed(values, bits):
+def _signed(values: NDArray[np.uint64], bits: int) -> Ints:
     """Two's complement of ``bits`` bits in uint64, sign-extended to int64."""
     spare = 64 - bits
     return values.view(np.int64) << spare >> spare
 
 
-def cop(forces, min_load=1, waves=None):
+def cop(forces: NDArray[np.uint16], min_load: int = 1, waves: Waves = None) -> Arrays:
     """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns].
 
     ``waves``: path of a VCD file for the last TRACE_BEATS beats and the computation after them.
@@ -73,7 +76,7 @@ def cop(forces, min_load=1, waves=None):
     }
 
 
-def shown(load, shape):
+def shown(load: Ints, shape: tuple[int, int]) -> slice:
     """Frames for ``waves``: as many as fit the VCD, the last being that with the largest ``load``."""
     rows, columns = shape
     count = max(1, TRACE_BEATS // (rows * -(-columns // lanes(columns))))

@@ -1,12 +1,15 @@
 """The four electrodes on the Verilated msn_cop4 and msn_cop_slip: engine ``rtl``'s ``cop4``, ``cop_slip``."""
 
 import ctypes
-from dataclasses import fields
+from dataclasses import asdict, fields
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meissner.engines import verilated
+from meissner.engines.protocol import ElectrodesSlip, Waves
 from meissner.engines.rtl_cop import TRACE_CLK_KHZ
+from meissner.physics.cop4_config import Cop4Config
 from meissner.twins.cop.cop4 import Cop4, Cop4Registers
 from meissner.twins.cop.cop_slip import CopSlipRegisters, CopSlipResult
 
@@ -25,7 +28,7 @@ class _Registers(ctypes.Structure):
 
 
 @verilated.cached
-def _open(sample_bits, correct, trace=False):
+def _open(sample_bits: int, correct: bool, trace: bool = False) -> ctypes.CDLL:
     parameters = {"SampleBits": sample_bits, "Correct": int(correct)}
     lib = ctypes.CDLL(str(verilated.library("msn_cop4", "cop4_driver.cpp", parameters, trace)))
     lib.cop4_run.restype = ctypes.c_int64
@@ -34,21 +37,20 @@ def _open(sample_bits, correct, trace=False):
     return lib
 
 
-def _traced(waves, count):
+def _traced(waves: Waves, count: int) -> tuple[bytes | None, int, int]:
     """The last arguments of a driver: the VCD file, its samples and its clock."""
     return None if waves is None else str(waves).encode(), min(TRACE_SAMPLES, count), TRACE_CLK_KHZ
 
 
-def cop4(codes, config, waves=None):
+def cop4(codes: ArrayLike, config: Cop4Config, waves: Waves = None) -> Cop4:
     """``Cop4`` of codes [samples, 4] on the core for ``config`` (Cop4Config).
 
     ``waves``: path of a VCD file for the last TRACE_SAMPLES samples.
     """
     lib = _open(config.sample_bits, config.terms is not None, waves is not None)
     codes = np.ascontiguousarray(codes, dtype=np.int32)
-    values = {field.name: getattr(config.registers, field.name) for field in fields(Cop4Registers)}
     p = (0,) * TERMS if config.terms is None else config.terms.p
-    registers = _Registers(**values, p=(ctypes.c_int64 * TERMS)(*p))
+    registers = _Registers(**asdict(config.registers), p=(ctypes.c_int64 * TERMS)(*p))
     x, y = np.zeros((2, len(codes)), dtype=np.int16)
     load = np.zeros(len(codes), dtype=np.uint16)
     flags = np.zeros(len(codes), dtype=np.uint8)
@@ -62,8 +64,8 @@ def cop4(codes, config, waves=None):
         raise RuntimeError("the core did not give one result per sample")
     pressed, over, saturated, imbalance = ((flags >> bit & 1).astype(bool) for bit in range(4))
     opened = (flags >> 4).astype(np.int64)
-    x, y = x.astype(np.int32), y.astype(np.int32)
-    return Cop4(x, y, load.astype(np.int64), pressed, over, saturated, imbalance, opened)
+    place = (x.astype(np.int32), y.astype(np.int32), load.astype(np.int64))
+    return Cop4(*place, pressed, over, saturated, imbalance, opened)
 
 
 class _SlipRegisters(ctypes.Structure):
@@ -71,7 +73,7 @@ class _SlipRegisters(ctypes.Structure):
 
 
 @verilated.cached
-def _open_slip(lag, trace):
+def _open_slip(lag: int, trace: bool) -> ctypes.CDLL:
     lib = ctypes.CDLL(str(verilated.library("msn_cop_slip", "cop_slip_driver.cpp", {"Lag": lag}, trace)))
     lib.cop_slip_run.restype = ctypes.c_int64
     pointer = ctypes.c_void_p
@@ -79,7 +81,9 @@ def _open_slip(lag, trace):
     return lib
 
 
-def cop_slip(codes, config, lag, registers, waves=None):
+def cop_slip(
+    codes: ArrayLike, config: Cop4Config, lag: int, registers: CopSlipRegisters, waves: Waves = None
+) -> ElectrodesSlip:
     """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, then msn_cop_slip on its results.
 
     ``waves``: path of a VCD file for the last TRACE_SAMPLES samples of msn_cop_slip.
@@ -91,7 +95,7 @@ def cop_slip(codes, config, lag, registers, waves=None):
         np.ascontiguousarray(a, dtype=kind)
         for a, kind in zip((found.x, found.y, found.load, found.pressed), kinds)
     ]
-    values = _SlipRegisters(**{name: getattr(registers, name) for name, _ in _SlipRegisters._fields_})
+    values = _SlipRegisters(**asdict(registers))
     moves, flags = np.zeros((count, 2), dtype=np.int32), np.zeros(count, dtype=np.uint8)
     clocks = lib.cop_slip_run(
         *(array.ctypes.data for array in sent),

@@ -2,13 +2,17 @@
 
 import ctypes
 from contextlib import nullcontext
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from meissner.arrays import Ints
 from meissner.builds import boards
-from meissner.builds.build import verilog
+from meissner.builds.build import Config, verilog
+from meissner.builds.keys import ArrayAdc
 from meissner.engines import verilated
-from meissner.twins.link.uart_tx import sixteenths
+from meissner.twins.link.uart import sixteenths
 
 CONVERSION_NS = 4000  # of a converter with BUSY
 PIECE = 2000  # clocks simulated per read of the line
@@ -21,7 +25,7 @@ class _Size(ctypes.Structure):
 
 
 @verilated.cached
-def _open(parameters, folder):
+def _open(parameters: tuple[tuple[str, object], ...], folder: str | None) -> ctypes.CDLL:
     top, given = ("msn_core", dict(parameters)) if folder is None else ("msn_board", {})
     lib = ctypes.CDLL(str(verilated.library(top, "core_driver.cpp", given, include=folder)))
     pointer, long = ctypes.c_void_p, ctypes.c_int64
@@ -48,7 +52,9 @@ class CoreOnPins:
     of codes stays at the inputs for one frame period.
     """
 
-    def __init__(self, config, codes, board=None):
+    def __init__(
+        self, config: Config, codes: ArrayLike, board: tuple[boards.Board, str] | None = None
+    ) -> None:
         self.config = config
         self.units = config.units
         self.registers = bool(config.link.registers)  # whether a host can access registers
@@ -66,7 +72,7 @@ class CoreOnPins:
         size = _Size(
             *(config.part.number, getattr(config.adc, "converters", 1), config.adc.lanes),
             *(shape if array else (1, *shape)),
-            config.adc.channels if array else config.channels,
+            config.adc.channels if isinstance(config.adc, ArrayAdc) else config.channels,
         )
         places = len(config.scan.scan.places()) if array else 1
         shown = 0 if board is None else config.period_clocks
@@ -75,33 +81,33 @@ class CoreOnPins:
         self._core = self._lib.sensor_new(size, busy, places, shown, codes.ctypes.data, len(codes), bit)
         self._waiting = bytearray()
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def close(self):
+    def close(self) -> None:
         if self._core is not None:
             self._lib.sensor_delete(self._core)
             self._core = None
 
     @property
-    def now(self):
+    def now(self) -> int:
         """Clocks since reset."""
         return self._lib.sensor_now(self._core)
 
     @property
-    def simulated_s(self):
+    def simulated_s(self) -> float:
         """Seconds since reset, by the core's clock."""
         return self.now / (1000 * self.config.clk_khz)
 
     @property
-    def frames(self):
+    def frames(self) -> int:
         """Frames whose conversion has begun."""
         return self._lib.sensor_frames(self._core)
 
-    def run(self, clocks):
+    def run(self, clocks: int) -> bytes:
         """The bytes that the core sends in ``clocks`` clocks."""
         room = int(clocks // 40 + 64)
         out = (ctypes.c_uint8 * room)()
@@ -111,7 +117,7 @@ class CoreOnPins:
             found += bytes(out[:count])
         return bytes(found)
 
-    def read(self, n):
+    def read(self, n: int) -> bytes:
         """At most ``n`` bytes of the line; b"" if none arrived within PIECE clocks."""
         if not self._waiting:
             self._waiting += self.run(PIECE)
@@ -119,11 +125,11 @@ class CoreOnPins:
         del self._waiting[: len(data)]
         return data
 
-    def write(self, data):
+    def write(self, data: bytes) -> None:
         self._lib.sensor_write(self._core, data, len(data))
 
 
-def line(board, name, codes, gates=False):
+def line(board: boards.Board, name: str, codes: Ints, gates: bool = False) -> bytes:
     """The bytes on the serial line of a board with that configuration, from power-up on.
 
     ``codes``: as in CoreOnPins, each frame once; ``gates``: run the netlist after synthesis for this board.

@@ -3,12 +3,15 @@
 import ctypes
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from meissner.engines import verilated
+from meissner.arrays import Ints
+from meissner.calibration import Calibration
+from meissner.engines import Carrier, verilated
 
 
 @verilated.cached
-def _open_demod(form, samples_per_period):
+def _open_demod(form: int, samples_per_period: int) -> ctypes.CDLL:
     parameters = {"Form": form, "SamplesPerPeriod": samples_per_period}
     lib = ctypes.CDLL(str(verilated.library("msn_am_demod", "demod_driver.cpp", parameters)))
     lib.demod_run.restype = ctypes.c_int64
@@ -17,7 +20,7 @@ def _open_demod(form, samples_per_period):
     return lib
 
 
-def demodulate(samples, carrier):
+def demodulate(samples: ArrayLike, carrier: Carrier) -> Ints:
     """Amplitudes [...] of carriers [..., samples]; ``carrier``: meissner.engines.Carrier."""
     block = carrier.block
     lib = _open_demod(block.form, block.samples_per_period)
@@ -41,7 +44,7 @@ def demodulate(samples, carrier):
 
 
 @verilated.cached
-def _open_calibrate(rows, columns, gain_shift):
+def _open_calibrate(rows: int, columns: int, gain_shift: int) -> ctypes.CDLL:
     parameters = {"Rows": rows, "Columns": columns, "GainShift": gain_shift}
     lib = ctypes.CDLL(str(verilated.library("msn_calibrate", "calibrate_driver.cpp", parameters)))
     lib.calibrate_run.restype = ctypes.c_int64
@@ -50,7 +53,7 @@ def _open_calibrate(rows, columns, gain_shift):
     return lib
 
 
-def calibrate(codes, calibration):
+def calibrate(codes: NDArray[np.int32], calibration: Calibration) -> NDArray[np.uint16]:
     """Forces [frames, rows, columns] of codes; ``calibration``: meissner.calibration.Calibration."""
     frames, rows, columns = codes.shape
     lib = _open_calibrate(rows, columns, calibration.gain_shift)

@@ -2,20 +2,23 @@
 
 import ctypes
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
+from meissner.arrays import Bools, Ints
 from meissner.engines.verilated import library
+from meissner.twins.actuate.actuate import ActuateConfig
 from meissner.twins.actuate.grip import Command
 from meissner.twins.link.registers import ADDRESSES
-from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
+from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 
 EVERY = 8  # clocks from frame to frame: enough for two samples and their decisions
 REST = 32  # further clocks of a cycle, for register reads and the last decision
 
 
 @cache
-def _open(path):
+def _open(path: Path) -> ctypes.CDLL:
     lib = ctypes.CDLL(str(path))
     pointer, number, long = ctypes.c_void_p, ctypes.c_int32, ctypes.c_int64
     lib.hand_new.restype = pointer
@@ -38,7 +41,9 @@ class Core:
     ``start``: its first command; None: its minimum.
     """
 
-    def __init__(self, fingers, slip, actuate, frames, start=None):
+    def __init__(
+        self, fingers: int, slip: SlipConfig, actuate: ActuateConfig, frames: int, start: int | None = None
+    ) -> None:
         parameters = {"Grip": 1, "Channels": fingers, "Uart": 0, "Statistics": 0, "SlipDepth": 2}
         parameters |= {"SampleBits": SAMPLE_BITS, "TimerBits": TIMER_BITS}
         parameters |= {"Level": slip.level, "Window": slip.window, "Hop": slip.hop}
@@ -57,24 +62,24 @@ class Core:
         self._done(self._lib.hand_wait(self._core, 2 * self.period))
         self["grip.minimum"] = settings["minimum"]
 
-    def __del__(self):
+    def __del__(self) -> None:
         if getattr(self, "_core", None):
             self._lib.hand_delete(self._core)
             self._core = None
 
     @staticmethod
-    def _done(found):
+    def _done(found: int) -> int:
         if found < 0:
             raise RuntimeError("the core did not answer in time")
         return found
 
-    def __setitem__(self, name, value):
+    def __setitem__(self, name: str, value: int) -> None:
         self._done(self._lib.hand_write(self._core, ADDRESSES[name], int(value) & 0xFFFF_FFFF))
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> int:
         return self._done(self._lib.hand_read(self._core, ADDRESSES[name]))
 
-    def next(self, codes):
+    def next(self, codes: Ints) -> tuple[Bools, Bools, Command]:
         """(over [fingers, details], ends [details], Command) of a cycle with ``codes`` [fingers, frames]."""
         samples = np.ascontiguousarray(codes.T, dtype=np.int32)
         flags = np.empty(samples.size, dtype=np.uint8)
@@ -85,8 +90,8 @@ class Core:
                 *(flags.ctypes.data, flags.size, ctypes.byref(word)),
             )
         )
-        flags = flags[:count].reshape(-1, self.fingers)
-        if (flags >> 2 != np.arange(self.fingers)).any():
+        found = flags[:count].reshape(-1, self.fingers)
+        if (found >> 2 != np.arange(self.fingers)).any():
             raise RuntimeError("the core's decisions came out of order")
         increment = self["grip.increment"]
         increment -= (increment >> 16) << 17
@@ -95,4 +100,4 @@ class Core:
             *(increment, self["grip.command"], self["grip.fault"], True, word.value),
             tuple(bool(faulty >> finger & 1) for finger in range(self.fingers)),
         )
-        return (flags & 1).T.astype(bool), (flags[:, 0] & 2).astype(bool), answer
+        return (found & 1).T.astype(bool), (found[:, 0] & 2).astype(bool), answer

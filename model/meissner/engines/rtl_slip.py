@@ -1,16 +1,21 @@
 """Engine ``rtl``, slip: the Verilated msn_core behind a batch C++ driver, numpy arrays in and out."""
 
 import ctypes
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from meissner.arrays import Bools, Ints
 from meissner.engines import Watched
+from meissner.engines.protocol import PinRecording, Waves, Windows
 from meissner.engines.verilated import library
 from meissner.twins.link.registers import ADDRESSES, members, words
-from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
+from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 
 ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
 # The parts of msn_core that slip does not need are left out; packets go as bytes to nobody.
@@ -28,7 +33,7 @@ class _PinFacts(ctypes.Structure):
 
 
 @cache
-def _open(path):
+def _open(path: Path) -> ctypes.CDLL:
     lib = ctypes.CDLL(str(path))
     lib.core_new.restype = ctypes.c_void_p
     lib.core_delete.argtypes = [ctypes.c_void_p]
@@ -50,7 +55,7 @@ def _open(path):
 class Core:
     """One Verilated core with its settings of slip written; ``parameters``: of msn_core beside ``_CORE``."""
 
-    def __init__(self, parameters, config, trace=False):
+    def __init__(self, parameters: dict[str, int], config: SlipConfig, trace: bool = False) -> None:
         values = {name: int(getattr(config, name) or 0) for name in members("slip")}
         values["keep_threshold"] = config.keeps_above
         written = words("slip", values, {"detail": SAMPLE_BITS + config.level, "timer": TIMER_BITS})
@@ -58,18 +63,18 @@ class Core:
         self._core = self._lib.core_new()
         self._write(written)
 
-    def _write(self, written):
+    def _write(self, written: Mapping[int, int]) -> None:
         for address, word in written.items():
             if self._lib.core_write(self._core, address, word) < 0:
                 raise RuntimeError("the core did not answer on its bus")
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self._lib.core_delete(self._core)
 
-    def slip(self, x, moving=None):
+    def slip(self, x: Ints, moving: Bools | None = None) -> tuple[NDArray[np.uint32], NDArray[np.uint8]]:
         """Send ``x`` [channels, samples]; returns (p2p, flags), one of each per decision, in order."""
         channels, frames = x.shape
         samples = np.ascontiguousarray(x.T, dtype=np.int32)
@@ -84,7 +89,15 @@ class Core:
             raise RuntimeError("the core stalled, though its output was always taken")
         return p2p[:count], flags[:count]
 
-    def pins(self, part, codes, period, moving, trace_path=None, trace=(0, 0)):
+    def pins(
+        self,
+        part: str,
+        codes: Ints,
+        period: int,
+        moving: Bools,
+        trace_path: Waves = None,
+        trace: tuple[int, int] = (0, 0),
+    ) -> tuple[NDArray[np.uint32], NDArray[np.uint8], _PinFacts]:
         """Put ``codes`` [samples] behind the pins of ``part``; returns (p2p, flags, facts)."""
         codes = np.ascontiguousarray(codes, dtype=np.int32)
         moving = np.ascontiguousarray(moving, dtype=np.uint8)
@@ -103,12 +116,12 @@ class Core:
         return p2p[:count], flags[:count], facts
 
     @property
-    def blanked(self):
+    def blanked(self) -> int:
         """Number of details since reset that were over while blanked or while the actuator moved."""
         return self._lib.core_read(self._core, ADDRESSES["slip.blanked"])
 
 
-def _parameters(channels, config):
+def _parameters(channels: int, config: SlipConfig) -> dict[str, int]:
     return {
         "Channels": channels,
         "SampleBits": SAMPLE_BITS,
@@ -119,7 +132,9 @@ def _parameters(channels, config):
     }
 
 
-def _run(x, config, moving=None):
+def _run(
+    x: Ints, config: SlipConfig, moving: Bools | None = None
+) -> tuple[NDArray[np.uint32], NDArray[np.uint8], int]:
     """p2p and flags as [details, channels], and the count of blanked details."""
     with Core(_parameters(len(x), config), config) as core:
         p2p, flags = core.slip(x, moving)
@@ -131,10 +146,10 @@ class Pins:
     """A run at the converter's pins: its output and the number of clocks."""
 
     watched: Watched
-    facts: dict
+    facts: dict[str, str | float]
 
 
-def watch_pins(recording, config, waves=None):
+def watch_pins(recording: PinRecording, config: SlipConfig, waves: Waves = None) -> Pins:
     """Run a scene's recording through the pins of its converter; ``waves``: path of a VCD file.
 
     The VCD covers 20 ms around the first rise of the flag (or the start, if it never rises).
@@ -171,12 +186,12 @@ def watch_pins(recording, config, waves=None):
     )
 
 
-def watch(x, config, moving=None):
+def watch(x: Ints, config: SlipConfig, moving: Bools | None = None) -> Watched:
     """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
     return _watched(*_run(x, config, moving))
 
 
-def _watched(p2p, flags, blanked):
+def _watched(p2p: NDArray[np.uint32], flags: NDArray[np.uint8], blanked: int) -> Watched:
     return Watched(
         p2p=p2p.T.astype(np.int64),
         over=(flags.T >> 3 & 1).astype(bool),
@@ -186,7 +201,7 @@ def _watched(p2p, flags, blanked):
     )
 
 
-def windows(x, config, count):
+def windows(x: Ints, config: SlipConfig, count: int) -> Windows:
     """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     p2p, flags, _ = _run(x, config)
     ends = np.flatnonzero(flags[:, 0] & 16)

@@ -7,20 +7,25 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, wraps
 from pathlib import Path
+from typing import Generic, ParamSpec, TypeVar
 
 from meissner.builds import boards, cached_files, netlist, toolchain
 
 HERE = Path(__file__).parent
 # The family whose netlists library() builds; None: it builds the sources themselves.
-CELLS = ContextVar("CELLS", default=None)
+CELLS: ContextVar[str | None] = ContextVar("CELLS", default=None)
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 @contextmanager
-def gates(cells):
+def gates(cells: str | None) -> Iterator[None]:
     """A context in which all builds use netlists after synthesis for this family: ice40, ecp5 or gowin."""
     before = CELLS.set(cells)
     try:
@@ -29,30 +34,29 @@ def gates(cells):
         CELLS.reset(before)
 
 
-def of_gates(function):
+def of_gates(function: Callable[P, R]) -> Callable[P, R]:
     """``function`` of engine rtl as one of engine gate: it builds a netlist in ECP5 cells."""
 
     @wraps(function)
-    def run(*arguments, **named):
+    def run(*arguments: P.args, **named: P.kwargs) -> R:
         with gates("ecp5"):
             return function(*arguments, **named)
 
     return run
 
 
-def cached(build):
+class cached(Generic[R]):
     """functools.cache for builds by library(): netlists and sources have separate entries."""
-    known = cache(lambda cells, *arguments: build(*arguments))
 
-    @wraps(build)
-    def built(*arguments):
-        return known(CELLS.get(), *arguments)
+    def __init__(self, build: Callable[..., R]) -> None:
+        self._known = cache(lambda cells, *arguments: build(*arguments))
+        self.cache_clear = self._known.cache_clear
 
-    built.cache_clear = known.cache_clear
-    return built
+    def __call__(self, *arguments: Hashable) -> R:
+        return self._known(CELLS.get(), *arguments)
 
 
-def with_make(command, environment):
+def with_make(command: Sequence[str], environment: Mapping[str, str]) -> "subprocess.CompletedProcess[str]":
     """Run a command of Verilator and the makefile that it writes."""
     return subprocess.run(
         [*command, "--build", "-j", "2"],
@@ -63,13 +67,15 @@ def with_make(command, environment):
     )
 
 
-def check_room(found):
+def check_room(found: int) -> None:
     """Raise ValueError if a driver returns kNoRoom of driver.hpp: a setting is wider than its port."""
     if found == -2:
         raise ValueError("a setting is wider than the core has bits for")
 
 
-def library(top, driver, parameters, trace=False, include=None):
+def library(
+    top: str, driver: str, parameters: Mapping[str, object], trace: bool = False, include: str | None = None
+) -> Path:
     """Path of the library of ``top`` with these parameters and ``driver``, built now unless it exists.
 
     ``driver``: a .cpp file, by its name if it is in this folder; its .vlt, if it exists, names the internal
@@ -77,9 +83,9 @@ def library(top, driver, parameters, trace=False, include=None):
     ``include``: folder of a board's msn_build.svh, from the repository's root, for rtl/boards.
     """
     environment = toolchain.environment()
-    driver = HERE / driver
-    told = driver.with_suffix(".vlt")
-    if CELLS.get() is None:
+    source, cells = HERE / driver, CELLS.get()
+    told = source.with_suffix(".vlt")
+    if cells is None:
         # A board's top is in no list, so it takes all sources, which Verilator reads in a third of a second.
         sources = toolchain.sources() if include is not None else toolchain.sources_of(top)
         checks = [*toolchain.VERILATOR_FLAGS]
@@ -92,7 +98,7 @@ def library(top, driver, parameters, trace=False, include=None):
     else:  # a netlist is not in the house style and has no parameters left
         text = told.read_text("utf-8") if told.exists() else ""
         read = re.findall(rf'public_flat_rd -module "{top}" -var "(\w+)"', text)
-        sources = netlist.verilog(top, parameters, CELLS.get(), read, include)
+        sources = netlist.verilog(top, parameters, cells, read, include)
         checks = [*toolchain.VERILATOR_FLAGS, "-Wno-lint", "-Wno-style"]
     flags = [
         *(["--trace-vcd"] if trace else []),
@@ -108,7 +114,7 @@ def library(top, driver, parameters, trace=False, include=None):
             "core.so",
         ),
     ]
-    inputs = [driver, *filter(Path.exists, [told]), *sources]
+    inputs = [source, *filter(Path.exists, [told]), *sources]
     digest = hashlib.sha256(repr(flags).encode())
     included = [*HERE.glob("*.hpp"), *toolchain.ROOT.glob("host/*.[ch]")]
     for file in [*inputs, *sorted(included)]:

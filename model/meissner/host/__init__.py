@@ -6,6 +6,8 @@ with meissner.host.connect("serial:/dev/ttyUSB0?baud=3000000") as core:
         print(packet)
 """
 
+from typing import Any
+
 from meissner.builds.units import Units
 from meissner.host.core import Core, NoAnswer, Refused
 from meissner.host.line import open_line
@@ -27,13 +29,36 @@ __all__ = [
 ]
 
 
-def connect(url, units=None, registers=None, baud=None, **settings):
-    """The Core at ``url`` (meissner.host.line), found and checked; ValueError or NoAnswer in one sentence.
+def connect(
+    url: str,
+    units: Units | None = None,
+    registers: bool | None = None,
+    baud: int | None = None,
+    **settings: Any,
+) -> Core:
+    """The Core at ``url``, found and checked.
 
-    ``units``: facts that the core does not know about itself. ``registers``: False only listens, to a core
-    built without registers; None reads registers, unless the line is a file or a core in this process that
-    has none. ``baud``: of a serial port, unless the url gives it. ``settings``: timeout_s (of a command),
-    retries, give_up_s (for an interrupted line during an access), say (a function that takes a sentence).
+    Parameters
+    ----------
+    url : str
+        A line of meissner.host.line.
+    units : Units, optional
+        Facts that the core does not know about itself.
+    registers : bool, optional
+        False only listens, to a core built without registers; None reads registers, unless the line is a
+        file or a core in this process that has none.
+    baud : int, optional
+        Of a serial port, unless the url gives it.
+    **settings
+        timeout_s (of a command), retries, give_up_s (for an interrupted line during an access), say (a
+        function that takes a sentence).
+
+    Raises
+    ------
+    ValueError
+        For a url that is no line, or a core (Refused) that this host does not support.
+    NoAnswer
+        If no core answers.
     """
     line = open_line(url, baud)
     pipe = getattr(line, "pipe", None)

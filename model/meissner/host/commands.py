@@ -4,21 +4,32 @@ import re
 import signal
 import sys
 import time
+from argparse import Namespace
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from meissner import engines, files
 from meissner.terminal import plain
 
+if TYPE_CHECKING:
+    from meissner.host import Core
+    from meissner.host.packets import Item
+    from meissner.host.view import View
+
+
 LINE_S, PICTURE_S = 1.0, 0.1  # interval of lines in a pipe, of pictures on a terminal
 
 
-def _tell(sentence):
+def _tell(sentence: str) -> None:
     with suppress(OSError):  # a closed terminal must not end a log
         print(f"meissner: {plain(sentence)}", file=sys.stderr, flush=True)
 
 
-def _connect(arguments, registers=None, say=_tell):
+def _connect(
+    arguments: Namespace, registers: bool | None = None, say: Callable[[str], object] = _tell
+) -> "Core":
     """The Core that the arguments name, with the units of a configuration if one is given."""
     from meissner import host
     from meissner.builds import config
@@ -50,7 +61,7 @@ def _connect(arguments, registers=None, say=_tell):
     return core
 
 
-def _amount(text):
+def _amount(text: str) -> tuple[str, float] | None:
     """(quantity, value) of "0.02V", "200mN" or "5ms"; None if ``text`` is none."""
     found = re.fullmatch(r"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?)(m?)([VNs])", text)
     if found is None:
@@ -60,24 +71,24 @@ def _amount(text):
     return quantity, float(number) * (1e-3 if milli else 1)
 
 
-def _wanted(core, given):
+def _wanted(core: "Core", given: list[str]) -> list[tuple[str, int | None]]:
     """[(name, value or None)] of the arguments, all checked; a group's name stands for all its registers."""
     from meissner.host import names
 
-    wanted = []
+    wanted: list[tuple[str, int | None]] = []
     for text in given or ["core", *core.features]:
-        name, equals, value = text.partition("=")
+        name, equals, given_value = text.partition("=")
         inside = [known for known in core.names() if known.split(".")[0] == name]
         if equals:
             core.check(name)
             try:
-                amount = _amount(value)
-                value = core.units.code(name, *amount) if amount else int(value, 0)
+                amount = _amount(given_value)
+                value = core.units.code(name, *amount) if amount else int(given_value, 0)
             except ValueError as problem:
                 why = (
                     str(problem)
                     if amount
-                    else f"{value!r} is neither an integer nor volts, newtons or seconds"
+                    else f"{given_value!r} is neither an integer nor volts, newtons or seconds"
                 )
                 raise ValueError(f"{text}: {why}") from None
             core.check(name, value)
@@ -91,7 +102,7 @@ def _wanted(core, given):
     return wanted
 
 
-def regs(arguments):
+def regs(arguments: Namespace) -> None:
     with _connect(arguments, registers=True) as core:
         wanted = _wanted(core, arguments.names)
         for name, value in wanted:
@@ -104,10 +115,10 @@ def regs(arguments):
             print(f"{name:<{width}}  {value:<10} 0x{value & (field.most if field else 0xFFFFFFFF):x}")
 
 
-def live(arguments):
+def live(arguments: Namespace) -> None:
     from meissner.host.view import View
 
-    messages = []
+    messages: list[str] = []
     listen = False if arguments.listen else None
     with _connect(arguments, listen, messages.append) as core, _stopping(core):
         view = View(core)
@@ -117,7 +128,7 @@ def live(arguments):
             _live_lines(core, view, arguments.seconds, messages)
 
 
-def _beats(core, seconds, every_s):
+def _beats(core: "Core", seconds: float | None, every_s: float) -> Iterator[tuple["Item | None", bool]]:
     """Yield (packet, whether ``every_s`` passed again), and (None, True) where no packet came in time."""
     end = None if seconds is None else time.monotonic() + seconds
     following = time.monotonic() + every_s
@@ -138,7 +149,7 @@ def _beats(core, seconds, every_s):
             yield None, True
 
 
-def _live_lines(core, view, seconds, messages):
+def _live_lines(core: "Core", view: "View", seconds: float | None, messages: list[str]) -> None:
     view.tick(time.monotonic())
     for item, beat in _beats(core, seconds, LINE_S):
         line = view.add(item)
@@ -155,7 +166,7 @@ def _live_lines(core, view, seconds, messages):
     print(view.line(), flush=True)
 
 
-def _live_picture(core, view, seconds, messages):
+def _live_picture(core: "Core", view: "View", seconds: float | None, messages: list[str]) -> None:
     from rich.live import Live
 
     view.tick(time.monotonic())
@@ -174,11 +185,11 @@ def _live_picture(core, view, seconds, messages):
 
 
 @contextmanager
-def _stopping(core):
+def _stopping(core: "Core") -> Iterator[None]:
     """Ctrl-C, SIGTERM or a closed terminal ends the stream between two packets, so that the file written
     is finished. A signal that the parent ignores, as nohup does, stays ignored."""
 
-    def stop(*_):
+    def stop(*_: object) -> None:
         core.stop()
         with suppress(OSError, RuntimeError):  # the terminal is gone, or a write to it is under way
             _tell("stopped")
@@ -193,7 +204,7 @@ def _stopping(core):
             signal.signal(which, handler)
 
 
-def log(arguments):
+def log(arguments: Namespace) -> None:
     from meissner.host import log
 
     log.check_out(arguments.out)
@@ -223,7 +234,7 @@ def log(arguments):
     )
 
 
-def replay(arguments):
+def replay(arguments: Namespace) -> None:
     from meissner.host import log
     from meissner.host.replay import differences, replay
 

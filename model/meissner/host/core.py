@@ -4,15 +4,20 @@ import logging
 import random
 import time
 from collections import deque
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Self
 
+from meissner.builds.units import Units
 from meissner.host import names
-from meissner.host.line import Ended, Gone
-from meissner.host.packets import Assembler, Gap
+from meissner.host.line import Ended, Gone, Line
+from meissner.host.names import Place
+from meissner.host.packets import Assembler, Gap, Item
 from meissner.twins.link import bridge
 from meissner.twins.link import packet as p
-from meissner.twins.link.decoder import Decoder
+from meissner.twins.link.decoder import Decoder, Packet
+from meissner.twins.link.register import Group
 
 NOISE = 4096  # bytes without a packet before it is reported: sixteen of the longest packets
 UNREAD = 1 << 16  # packets that wait for the program; beyond it, the oldest are dropped
@@ -60,19 +65,34 @@ class Core:
     yields the core's packets. Both open the line again after an interruption.
     """
 
-    def __init__(self, line, known=None, registers=True, timeout_s=0.25, retries=3, give_up_s=30.0, say=None):
+    def __init__(
+        self,
+        line: Line,
+        known: Units | None = None,
+        registers: bool = True,
+        timeout_s: float = 0.25,
+        retries: int = 3,
+        give_up_s: float = 30.0,
+        say: Callable[[str], object] | None = None,
+    ) -> None:
         self.line, self.registers = line, registers
         self.timeout_s, self.retries, self.give_up_s = timeout_s, retries, give_up_s
         self.say = say or logging.getLogger("meissner.host").warning
         self.counts = Counts()
-        self.features = self.build = None
+        self.features: list[str] = []
+        self.build: dict[str, int] = {}
         self._assembler = Assembler(known)
-        self._decoder, self._waiting = Decoder(), deque()
+        self._decoder = Decoder()
+        self._waiting: deque[Item] = deque()
         self._missed_before, self._joining = 0, True
-        self._since_packet, self._told_noise, self._told_unfit = 0, False, set()
-        self._tag, self._asked, self._answer = 0, None, None
-        self._newest, self._restarted, self._written = 0, False, {}
-        self._down, self._reason, self._try_at, self._wait_s = None, "", 0.0, FIRST_WAIT_S
+        self._since_packet, self._told_noise, self._told_unfit = 0, False, set[int]()
+        self._tag = 0
+        self._asked: tuple[int, int] | None = None  # tag and address
+        self._answer: dict[str, int] | None = None
+        self._newest, self._restarted = 0, False
+        self._written: dict[int, tuple[Place, int]] = {}
+        self._down: float | None = None  # since when
+        self._reason, self._try_at, self._wait_s = "", 0.0, FIRST_WAIT_S
         self._ended = False
         if registers:
             try:
@@ -85,33 +105,33 @@ class Core:
     # Facts about the core
 
     @property
-    def units(self):
+    def units(self) -> Units:
         return self._assembler.units
 
     @units.setter
-    def units(self, known):
+    def units(self, known: Units) -> None:
         """Clock and size, which the core reported itself, are kept."""
         own = {name: getattr(self.units, name) for name in ("clk_khz", "rows", "columns")}
         self._assembler.units = replace(known, **{k: v for k, v in own.items() if v is not None})
 
     @property
-    def now(self):
+    def now(self) -> int:
         """Clocks since the core's reset, as it last reported them; 0 before the first report."""
         return self._newest
 
-    def _identify(self):
+    def _identify(self) -> None:
         """Read ID, VERSION, FEATURES, SIZE, clock, widths; Refused in one sentence if the core is another."""
         name = self.line.name
         found = self._ask(bridge.READ, names.place("core.id"))
-        if found != names.place("core.id").field.reset:
+        if found != names.CONSTANTS["core.id.value"]:
             raise Refused(f"the device on {name} is not a Meissner core: its ID is 0x{found:08x}")
         word = self._ask(bridge.READ, names.place("core.version"))
         major, minor = (names.place(f"core.version.{part}").value(word) for part in ("major", "minor"))
-        own = names.VERSION
-        if major != own["major"] or (major == 0 and minor != own["minor"]):
+        own = [names.CONSTANTS[f"core.version.{part}"] for part in ("major", "minor")]
+        if major != own[0] or (major == 0 and minor != own[1]):
             raise Refused(
                 f"the core on {name} has version {major}.{minor} of the register map and this host knows "
-                f"{own['major']}.{own['minor']}: use the meissner that the core was built with"
+                f"{own[0]}.{own[1]}: use the meissner that the core was built with"
             )
         bits = self._ask(bridge.READ, names.place("core.features"))
         size = self._ask(bridge.READ, names.place("core.size"))
@@ -128,7 +148,7 @@ class Core:
 
     # Registers
 
-    def _place(self, name):
+    def _place(self, name: str) -> Place:
         place = names.place(name)
         if not self.registers:
             raise ValueError(f"{name}: the registers of this core are not read, since it is only listened to")
@@ -137,18 +157,24 @@ class Core:
         return place
 
     @property
-    def ended(self):
+    def ended(self) -> bool:
         """No more packets will come: the file has ended, or ``stop`` was called."""
         return self._ended and not self._waiting
 
-    def names(self):
+    def names(self) -> list[str]:
         """Names of the registers that this core has; for a register with several fields, of each field."""
         return [
             name for name, place in names.PLACES.items() if place.field is not None and self._has(place.group)
         ]
 
-    def check(self, name, value=None):
-        """ValueError in one sentence if the core has no such register, or it cannot take the value."""
+    def check(self, name: str, value: int | None = None) -> Place:
+        """The Place of that name.
+
+        Raises
+        ------
+        ValueError
+            If the core has no such register, or it cannot take the value.
+        """
         place = self._place(name)
         if value is not None:
             if not place.writable:
@@ -156,14 +182,14 @@ class Core:
             place.into(0, value, self.build)
         return place
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> int:
         place = self._place(name)
         word = self._ask(bridge.READ, place)
         if self._restarted and self._restore():
             word = self._ask(bridge.READ, place)
         return place.value(word)
 
-    def __setitem__(self, name, value):
+    def __setitem__(self, name: str, value: int) -> None:
         place = self.check(name, value)
         word = 0
         if place.field is not None and len(place.register.fields) > 1:  # the other fields keep their values
@@ -177,10 +203,18 @@ class Core:
         if self._restarted:
             self._restore()
 
-    def set(self, name, **amount):
-        """Write one register in volts, newtons or seconds, converted by ``units``; returns the code written.
+    def set(self, name: str, **amount: float) -> int:
+        """Write one register in volts, newtons or seconds: ``core.set("slip.threshold", volts=0.02)``.
 
-        ``core.set("slip.threshold", volts=0.02)``: builds.units.CODES lists each register's quantity.
+        Returns
+        -------
+        int
+            The code written.
+
+        Raises
+        ------
+        ValueError
+            If the register does not take this quantity (builds.units.CODES) or its code.
         """
         ((quantity, value),) = amount.items()
         code = self.units.code(name, quantity, value)
@@ -188,7 +222,7 @@ class Core:
         return code
 
     @contextmanager
-    def together(self):
+    def together(self) -> Iterator[None]:
         """``with core.together():`` the settings written in this block take effect with the same frame.
 
         It concerns those that apply at a frame's start (docs/registers.md); the core takes none of them
@@ -200,7 +234,7 @@ class Core:
         finally:
             self["core.hold"] = 0
 
-    def _ask(self, operation, place, data=0):
+    def _ask(self, operation: int, place: Place, data: int = 0) -> int:
         """The word in the core's answer; NoAnswer, or ValueError if it refuses the access."""
         self._tag = self._tag + 1 & 255
         tag, address = self._tag, place.address
@@ -210,7 +244,7 @@ class Core:
             if self._down is not None:
                 if time.monotonic() > deadline:
                     raise NoAnswer(f"{self._reason}, and did not come back within {self.give_up_s:g} s")
-                self._reopen(0.1)
+                self._reopen(self._down, 0.1)
                 continue
             if attempts:
                 self.counts.retries += 1
@@ -239,7 +273,7 @@ class Core:
         )
         raise ValueError(f"{place.name} could not be {what}: {why}".replace("be write", "be written"))
 
-    def _silence(self, heard, packets):
+    def _silence(self, heard: int, packets: int) -> str:
         """The likely reason why no answer came."""
         name = self.line.name
         if packets:
@@ -255,21 +289,30 @@ class Core:
             "it can only be listened to (--listen)"
         )
 
-    def _baud_question(self):
+    def _baud_question(self) -> str:
         rate = f" ({self.line.baud})" if self.line.baud else ""
         return f"is the baud rate right{rate}?"
 
     # Packets
 
-    def packets(self, seconds=None):
-        """Yield packets and gaps (meissner.host.packets) for ``seconds`` or until the line ends; 0: those
-        already received."""
+    def packets(self, seconds: float | None = None) -> Iterator[Item]:
+        """Packets and gaps as they come.
+
+        Parameters
+        ----------
+        seconds : float, optional
+            0: those already received; None: until the line ends.
+
+        Yields
+        ------
+        SlipEvent, CopFrame, Image, Health, Statistics or Gap
+        """
         end = None if seconds is None else time.monotonic() + seconds
         while True:
             left = 0.1 if end is None else end - time.monotonic()
             wait = 0.0 if self._waiting else max(0.0, min(left, 0.1))
             if self._down is not None:
-                self._reopen(wait)
+                self._reopen(self._down, wait)
             elif not self._ended:
                 self._hear(wait)
             if self._restarted and self._down is None:
@@ -279,7 +322,7 @@ class Core:
             if self._ended or left <= 0:
                 return
 
-    def _hear(self, timeout_s):
+    def _hear(self, timeout_s: float) -> None:
         """Wait up to ``timeout_s`` for bytes and take the first that come."""
         try:
             data = self.line.read(timeout_s)
@@ -297,13 +340,13 @@ class Core:
         for packet in self._decoder.next(data):
             self._take(packet)
         self.counts.damaged = self._decoder.damaged
-        greeting = self.registers and self.features is None  # a failed greeting reports it
+        greeting = self.registers and not self.build  # a failed greeting reports it
         if self._since_packet >= NOISE and not self._told_noise and not greeting:
             self._told_noise = True
             name = self.line.name
             self.say(f"no valid packet in {self._since_packet} bytes from {name}: {self._baud_question()}")
 
-    def _take(self, packet):
+    def _take(self, packet: Packet) -> None:
         counts = self.counts
         counts.packets += 1
         self._since_packet, self._told_noise = 0, False
@@ -329,7 +372,7 @@ class Core:
         if item is not None:
             self._put(item)
 
-    def _say_unfit(self, taxels):
+    def _say_unfit(self, taxels: int) -> None:
         """Report images of an unexpected size, once for each size."""
         if taxels not in self._told_unfit:
             self._told_unfit.add(taxels)
@@ -339,20 +382,20 @@ class Core:
                 "expected: is this the core's configuration?"
             )
 
-    def _put(self, item):
+    def _put(self, item: Item) -> None:
         if len(self._waiting) == UNREAD:
             self._waiting.popleft()
             self.counts.unread += 1
         self._waiting.append(item)
 
-    def _started_over(self):
+    def _started_over(self) -> None:
         """The time went back: the core was reset, and with it packet numbers and settings."""
         self.counts.restarts += 1
         self._missed_before = self._decoder.missed
         self._assembler.restart()
         self._restarted = True
 
-    def _restore(self):
+    def _restore(self) -> bool:
         """Write the settings again that this host had written; returns whether that succeeded."""
         known = [item for item in self._written.values() if self._has(item[0].group)]
         try:
@@ -365,11 +408,11 @@ class Core:
         self.say(f"the core on {self.line.name} was reset: {len(known)} settings were written again")
         return True
 
-    def _has(self, group):
+    def _has(self, group: Group) -> bool:
         return not group.feature or group.name in self.features
 
     @contextmanager
-    def _impatient(self):
+    def _impatient(self) -> Iterator[None]:
         """Give up immediately if the line is interrupted meanwhile."""
         kept, self.give_up_s = self.give_up_s, -1.0
         try:
@@ -379,20 +422,19 @@ class Core:
 
     # The line
 
-    def _lost(self, gone):
+    def _lost(self, gone: Gone) -> None:
         self._down, self._reason, self._wait_s = time.monotonic(), str(gone), FIRST_WAIT_S
         self._try_at = self._down + self._wait_s
         self.line.close()
         self.say(f"{gone}; trying to open it again")
 
-    def _reopen(self, timeout_s):
-        """Try once to open the line again, if an attempt is due; waits at most about ``timeout_s``."""
+    def _reopen(self, since: float, timeout_s: float) -> None:
+        """Try once to open the line, if an attempt is due; waits at most about ``timeout_s``."""
         wait = self._try_at - time.monotonic()
         if wait > timeout_s:
             time.sleep(timeout_s)
             return
         time.sleep(max(0.0, wait))
-        since = self._down
         try:
             self.line.reopen()
             self._down, self._joining = None, True
@@ -411,7 +453,7 @@ class Core:
         self.say(f"{self.line.name} is back after {seconds:.1f} s")
         self._put(Gap(self._reason, seconds))
 
-    def _greet(self):
+    def _greet(self) -> None:
         """``_identify`` on a line just opened again; notes a reset of the core during the interruption."""
         with self._impatient():
             restarts = self.counts.restarts
@@ -423,15 +465,15 @@ class Core:
             if lost and self.counts.restarts == restarts:
                 self._started_over()
 
-    def stop(self):
+    def stop(self) -> None:
         """Make ``packets`` end after the packets already received."""
         self._ended = True
 
-    def close(self):
+    def close(self) -> None:
         self.line.close()
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.close()

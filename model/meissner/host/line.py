@@ -12,7 +12,9 @@ import select
 import termios
 import time
 import tty
+from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol
 from urllib.parse import parse_qs
 
 from meissner.files import check_in
@@ -28,19 +30,48 @@ class Ended(Exception):
     """No more bytes will come."""
 
 
+class BytePipe(Protocol):
+    """A core in this process, or one end of a line to it; neither method waits."""
+
+    def read(self, n: int, /) -> bytes:
+        """At most ``n`` bytes that the core sends now."""
+
+    def write(self, data: bytes, /) -> None:
+        """Bytes for the core."""
+
+
+class Line(Protocol):
+    """A line to a core: ``name`` for messages, ``baud`` None unless it is a serial port."""
+
+    name: str
+    baud: int | None
+
+    def reopen(self) -> None:
+        """Open it (again); OSError if that fails."""
+
+    def read(self, timeout_s: float) -> bytes:
+        """The bytes received, after a wait of up to ``timeout_s``; b"" if none came; raises Gone or Ended."""
+
+    def write(self, data: bytes) -> None:
+        """Send all bytes; raises Gone."""
+
+    def close(self) -> None:
+        """Close it; may be repeated."""
+
+
 class Device:
     """A serial port (``baud``) or a pty (None)."""
 
-    def __init__(self, path, baud=None):
-        self.path, self.baud, self._port, self._fd = path, baud, None, None
-        self.name = path
+    def __init__(self, path: str, baud: int | None = None) -> None:
+        self.path, self.baud, self.name = path, baud, path
+        self._close: Callable[[], None] | None = None
         self.reopen()
 
-    def reopen(self):
-        """Open it (again); OSError if that fails."""
+    def reopen(self) -> None:
         self.close()
         if self.baud is None:
-            self._fd = os.open(self.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+            self._fd = fd = os.open(self.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+            self._close = lambda: os.close(fd)
             if not os.isatty(self._fd):
                 self.close()
                 raise OSError(f"{self.path} is not a terminal")
@@ -49,11 +80,10 @@ class Device:
             import serial
 
             # exclusive: two readers would each get half of the bytes
-            self._port = serial.Serial(self.path, self.baud, timeout=0, exclusive=True)
-            self._fd = self._port.fileno()
+            port = serial.Serial(self.path, self.baud, timeout=0, exclusive=True)
+            self._fd, self._close = port.fileno(), port.close
 
-    def read(self, timeout_s):
-        """The bytes received, after a wait of up to ``timeout_s``; b"" if none came; raises Gone."""
+    def read(self, timeout_s: float) -> bytes:
         try:
             if not select.select([self._fd], [], [], max(0.0, timeout_s))[0]:
                 return b""
@@ -66,7 +96,7 @@ class Device:
             raise Gone(f"{self.name} is gone: the other end was closed")
         return data
 
-    def write(self, data):
+    def write(self, data: bytes) -> None:
         try:
             while data:
                 if not select.select([], [self._fd], [], 1.0)[1]:
@@ -77,51 +107,49 @@ class Device:
         except OSError as problem:
             raise Gone(f"{self.name} is gone: {problem.strerror or problem}") from None
 
-    def close(self):
-        if self._port is not None:
-            self._port.close()
-        elif self._fd is not None:
-            os.close(self._fd)
-        self._port = self._fd = None
+    def close(self) -> None:
+        if self._close is not None:
+            self._close()
+        self._fd, self._close = -1, None
 
 
 class File:
     """A capture; ``read`` raises Ended at its end."""
 
-    baud = None
+    baud: int | None = None
 
-    def __init__(self, path):
-        self.name, self._path, self._file = str(path), path, None
+    def __init__(self, path: str | Path) -> None:
+        self.name, self._path = str(path), path
         self.reopen()
 
-    def reopen(self):
+    def reopen(self) -> None:
         self._file = Path(self._path).open("rb")  # noqa: SIM115 - closed by close
 
-    def read(self, timeout_s):
+    def read(self, timeout_s: float) -> bytes:
         data = self._file.read(65536)
         if not data:
             raise Ended
         return data
 
-    def write(self, data):
+    def write(self, data: bytes) -> None:
         raise ValueError(f"{self.name} is a file: a core's registers cannot be reached through it")
 
-    def close(self):
+    def close(self) -> None:
         self._file.close()
 
 
 class Pipe:
-    """A core in this process: anything with ``read(n)`` and ``write(data)`` that never wait."""
+    """A core in this process."""
 
-    baud = None
+    baud: int | None = None
 
-    def __init__(self, pipe, name="the simulated core"):
+    def __init__(self, pipe: BytePipe, name: str = "the simulated core") -> None:
         self.pipe, self.name = pipe, name
 
-    def reopen(self):
+    def reopen(self) -> None:
         pass
 
-    def read(self, timeout_s):
+    def read(self, timeout_s: float) -> bytes:
         end = time.monotonic() + timeout_s
         while True:
             data = self.pipe.read(65536)
@@ -130,26 +158,26 @@ class Pipe:
                 return data
             time.sleep(min(left, 0.002))
 
-    def write(self, data):
+    def write(self, data: bytes) -> None:
         self.pipe.write(data)
 
-    def close(self):
+    def close(self) -> None:
         pass
 
 
-def open_line(url, baud=None):
+def open_line(url: str, baud: int | None = None) -> Line:
     """The line that ``url`` names; ValueError in one sentence. ``baud``: used unless the url gives one."""
     kind, colon, rest = url.partition(":")
     if not colon and url.startswith("/dev/tty"):
         kind, rest = "serial", url
-    path, _, options = rest.partition("?")
-    options = {key: values[-1] for key, values in parse_qs(options, keep_blank_values=True).items()}
+    path, _, query = rest.partition("?")
+    options = {key: values[-1] for key, values in parse_qs(query, keep_blank_values=True).items()}
     try:
         if kind == "serial" and path and set(options) <= {"baud"}:
-            baud = options.get("baud", str(baud or BAUD))
-            if not baud.isdecimal() or not 300 <= int(baud) <= 100_000_000:
-                raise ValueError(f"baud = {baud} must lie in 300 .. 100000000")
-            return Device(path, int(baud))
+            rate = options.get("baud", str(baud or BAUD))
+            if not rate.isdecimal() or not 300 <= int(rate) <= 100_000_000:
+                raise ValueError(f"baud = {rate} must lie in 300 .. 100000000")
+            return Device(path, int(rate))
         if kind == "pty" and path and not options:
             return Device(path)
         if kind == "file" and path and not options:

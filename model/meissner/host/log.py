@@ -18,16 +18,20 @@ arrays are written. A log that ends before that leaves the spool, which ``read``
 
 import io
 import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
+from meissner.arrays import Arrays
+from meissner.builds.units import Units
 from meissner.files import FULL, check_in, read_arrays
 from meissner.files import check_out as check_name
 from meissner.host import packets, ros
-from meissner.host.table import COLUMNS, NpzLog, Table, read_rows
+from meissner.host.core import Core
+from meissner.host.table import COLUMNS, Facts, NpzLog, Table, read_rows
 from meissner.host.unfinished_log import UnfinishedLog, part_of
 from meissner.twins.link.packet import TIMES
 
@@ -35,38 +39,43 @@ FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress le
 
 _FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float, "min_load": int}
 
+PARTIAL: Arrays = {"partial": np.asarray(True)}
+
 
 class McapLog:
     """Writes a .mcap; its spool becomes the file."""
 
     KIND = ".mcap"
 
-    def __init__(self, spool, known):
+    def __init__(self, spool: UnfinishedLog, known: Units) -> None:
         self._spool, self._writer = spool, ros.McapWriter(spool, known)
         self.add, self.tell = self._writer.add, self._writer.tell
 
-    def flush(self, facts):
+    def flush(self, facts: Facts) -> None:
         self._writer.flush()
 
-    def finish(self, path, facts):
+    def finish(self, path: str | Path, facts: Facts) -> None:
         self._writer.finish(facts)
         self._spool.rename(path)
 
 
-KINDS = {".npz": NpzLog, ".mcap": McapLog}
+KINDS: dict[str, type[McapLog] | type[NpzLog]] = {".npz": NpzLog, ".mcap": McapLog}
 
 
 class Log:
     """``add`` packets of ``core`` to a ``writer``, one of the above. The core's clock turns its clocks into
     UTC, from a new start after each reset of the core."""
 
-    def __init__(self, writer, core):
+    def __init__(self, writer: McapLog | NpzLog, core: Core) -> None:
         if not core.units.clk_khz:
             raise ValueError(
                 "the core's clock is unknown, so its times cannot become UTC: give it in kHz (--clk-khz)"
             )
-        self._writer, self._core, self._anchor, self._restarts = writer, core, None, 0
-        self.packets, self.kept, self._flushed_at, self._facts = 0, 0, time.monotonic(), {}
+        self._writer, self._core = writer, core
+        self._start_ns, self._start, self._last = time.time_ns(), 0, 0
+        self._restarts = -1  # of the core, when these three were set; -1: not yet
+        self.packets, self.kept, self._flushed_at = 0, 0, time.monotonic()
+        self._facts: dict[str, int] = {}
         if core.registers and "cop" in core.features:
             self._facts["min_load"] = core["cop.min_load"]
         if core.now:
@@ -74,46 +83,45 @@ class Log:
         self._writer.tell(self.facts())
         self.flush()
 
-    def _set(self, ticks):
-        self._anchor, self._restarts = (time.time_ns(), ticks), self._core.counts.restarts
-        self._last = ticks
+    def _set(self, ticks: int) -> None:
+        self._start_ns, self._start, self._last = time.time_ns(), ticks, ticks
+        self._restarts = self._core.counts.restarts
 
-    def _stamp(self, ticks):
-        if self._anchor is None or self._restarts != self._core.counts.restarts:
+    def _stamp(self, ticks: int) -> int:
+        if self._restarts != self._core.counts.restarts:
             self._set(ticks)
             self._writer.tell(self.facts())
         # Unwrap the 48-bit time: the value nearest to the last one, before or after it.
         self._last += (ticks - self._last + TIMES // 2) % TIMES - TIMES // 2
-        start_ns, start = self._anchor
-        return start_ns + (self._last - start) * 10**6 // self._core.units.clk_khz
+        assert self._core.units.clk_khz
+        return self._start_ns + (self._last - self._start) * 10**6 // self._core.units.clk_khz
 
-    def add(self, item):
+    def add(self, item: packets.Item) -> None:
         stamp = time.time_ns() if isinstance(item, packets.Gap) else self._stamp(item.time)
         self._writer.add(stamp, item)
         self.packets += 1
         if time.monotonic() - self._flushed_at > FLUSH_S:
             self.flush()
 
-    def flush(self):
+    def flush(self) -> None:
         """Keep what was received so far, however the log ends."""
         self._flushed_at = time.monotonic()
         self._writer.flush(self.facts())
         self.kept = self.packets
 
-    def facts(self):
-        start_ns, start = self._anchor or (time.time_ns(), 0)
+    def facts(self) -> Facts:
         known = self._core.units
         newtons = float("nan") if known.newtons_per_code is None else known.newtons_per_code
         facts = {
             "clk_khz": known.clk_khz,
-            "start_ns": start_ns,
-            "start_time": start,
+            "start_ns": self._start_ns,
+            "start_time": self._start,
             "newtons_per_code": newtons,
         }
         return facts | self._facts | asdict(self._core.counts)
 
 
-def check_out(path):
+def check_out(path: str | Path) -> str:
     """The kind of log that ``path`` names; ValueError if it names none."""
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
@@ -122,28 +130,34 @@ def check_out(path):
 
 
 @contextmanager
-def recording(path, core):
-    """A Log that gets the name ``path`` when it is complete; ValueError if that is impossible.
+def recording(path: str | Path, core: Core) -> Iterator[Log]:
+    """A Log that gets the name ``path`` when it is complete.
 
-    A log that ends before leaves a spool with the packets received, unless there were none; OSError,
-    ValueError or ``core.say`` name the spool.
+    Raises
+    ------
+    ValueError
+        If no log can have that name.
+    OSError
+        If it could not be written: the packets received until then are in a file that it names.
     """
-    kind, path = check_out(path), check_name(path)
-    spool, log = UnfinishedLog(path, KINDS[kind].KIND), None
+    make, out = KINDS[check_out(path)], check_name(path)
+    spool, log = UnfinishedLog(out, make.KIND), None
     try:
-        writer = KINDS[kind](spool, core.units)
+        writer = make(spool, core.units)
         log = Log(writer, core)
         yield log
         log.flush()
-        writer.finish(path, log.facts())
+        writer.finish(out, log.facts())
     except BaseException as problem:
         if log is None or not log.packets:
             spool.remove()
             raise
-        raise _kept(problem, path, spool, log, core.say) from None
+        raise _kept(problem, out, spool, log, core.say) from None
 
 
-def _kept(problem, path, spool, log, say):
+def _kept(
+    problem: BaseException, path: Path, spool: UnfinishedLog, log: Log, say: Callable[[str], object]
+) -> BaseException:
     """The exception to raise: what went wrong, and where the packets received until then are."""
     with suppress(OSError):
         if not isinstance(problem, OSError):  # keep the last half second too
@@ -152,7 +166,7 @@ def _kept(problem, path, spool, log, say):
         spool.give_up()
     kept = f"{log.kept} packets received are in {spool.path}, which `meissner replay` reads"
     if isinstance(problem, OSError):
-        why = FULL.get(problem.errno, problem.strerror or problem)
+        why = FULL.get(problem.errno or 0, problem.strerror or str(problem))
         return OSError(f"{path} could not be written, {why}: the {kept}")
     if isinstance(problem, ValueError):
         return ValueError(f"{problem}; the {kept}")
@@ -160,8 +174,14 @@ def _kept(problem, path, spool, log, say):
     return problem
 
 
-def read(path):
-    """The arrays and facts of a log; ValueError in one sentence if the file is not one."""
+def read(path: str | Path) -> Arrays:
+    """The arrays and facts of a log, by the names above.
+
+    Raises
+    ------
+    ValueError
+        If the file is no log.
+    """
     path = Path(path)
     if not path.exists():
         parts = [part_of(path, writer.KIND) for writer in KINDS.values()]
@@ -171,7 +191,7 @@ def read(path):
     if path.suffix.lower() == ".mcap":
         return _read_mcap(path)
     if path.suffix.lower() == NpzLog.KIND:
-        arrays = read_rows(path) | {"partial": np.True_}
+        arrays = read_rows(path) | PARTIAL
     elif path.suffix.lower() == ".npz":
         arrays = read_arrays(path)
         if arrays is None:
@@ -182,7 +202,7 @@ def read(path):
     return arrays
 
 
-def _read_mcap(path):
+def _read_mcap(path: Path) -> Arrays:
     table = Table()
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # a message parser prints
@@ -195,10 +215,10 @@ def _read_mcap(path):
     except Exception as problem:  # of any kind: a damaged file breaks its reader or decompressor
         what = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
         raise ValueError(f"{path} is not a complete MCAP log of a core: {what}") from None
-    return table.arrays() | found | ({} if whole else {"partial": np.True_})
+    return table.arrays() | found | ({} if whole else PARTIAL)
 
 
-def _check(path, arrays):
+def _check(path: Path, arrays: Arrays) -> None:
     """ValueError unless these are the arrays of a log with matching lengths."""
     for kind, names in COLUMNS.items():
         columns = [f"{kind}_{name}" for name in names] + (["image"] if kind == "image" else [])

@@ -1,16 +1,18 @@
 """Registers by name, as docs/registers.md lists them: "slip.threshold", "core.size", "core.size.rows"."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
+from meissner.twins.link.register import Field, Group, Register
 from meissner.twins.link.register_map import GROUPS
 
-VERSION = {
-    field.name: field.reset
+CONSTANTS = {
+    f"{group.name}.{register.name}.{field.name}": field.reset
     for group in GROUPS
     for register in group.registers
     for field in register.fields
-    if (group.name, register.name) == ("core", "version")
+    if field.kind == "constant"
 }
 FEATURES = [group.name for group in GROUPS if group.feature]  # in the order of their bits, lowest first
 WIDTHS = ("detail", "timer", "load", "offset")  # fields of core.widths
@@ -22,35 +24,35 @@ class Place:
     """A register or one of its fields; ``field`` None: the whole word of a register with several fields."""
 
     name: str
-    group: object
-    register: object
-    field: object
+    group: Group
+    register: Register
+    field: Field | None
 
     @property
-    def address(self):
+    def address(self) -> int:
         return self.register.address
 
     @property
-    def signed(self):
+    def signed(self) -> bool:
         return self.field is not None and self.field.signed
 
     @property
-    def writable(self):
+    def writable(self) -> bool:
         return self.register.writable if self.field is None else self.field.kind in ("setting", "command")
 
     @property
-    def setting(self):
+    def setting(self) -> bool:
         """Whether a write only stores the value, and so can safely be repeated."""
         kinds = [field.kind for field in self.register.fields]
         return "setting" in kinds and "command" not in kinds and not self.register.strobe
 
-    def value(self, word):
+    def value(self, word: int) -> int:
         """The value of this place in ``word``."""
         if self.field is None:
             return word
         return self.field.number(word >> self.field.low & self.field.most)
 
-    def ends(self, build=None):
+    def ends(self, build: Mapping[str, int] | None = None) -> tuple[int, int]:
         """(least, greatest) value; ``build``: {name of WIDTHS or "beats": number} as the core reports it."""
         if self.field is None:
             return 0, 0xFFFFFFFF
@@ -58,7 +60,7 @@ class Place:
             return 0, max(0, build["beats"] - 1)
         return self.field.ends(build[self.field.held_to] if build and self.field.held_to else None)
 
-    def into(self, word, value, build=None):
+    def into(self, word: int, value: int, build: Mapping[str, int] | None = None) -> int:
         """``word`` with ``value`` at this place; ValueError if it lies outside ``ends``."""
         least, most = self.ends(build)
         if not least <= value <= most:
@@ -74,7 +76,7 @@ class Place:
         return word & ~(most << low) & 0xFFFFFFFF | (value & most) << low
 
 
-def _places():
+def _places() -> Iterator[Place]:
     for group in GROUPS:
         for register in group.registers:
             name = f"{group.name}.{register.name}"
@@ -88,7 +90,7 @@ def _places():
 PLACES = {place.name: place for place in _places()}
 
 
-def place(name):
+def place(name: str) -> Place:
     """The Place of that name; ValueError with similar names if there is none."""
     if name not in PLACES:
         near = get_close_matches(name, PLACES, 3, 0.5)

@@ -7,17 +7,28 @@ unit is unknown is None.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meissner.builds.units import Units
 from meissner.twins.link import packet as p
+from meissner.twins.link.decoder import Packet
 from meissner.twins.slip.slip import State
 
 
 @dataclass(frozen=True)
 class SlipEvent:
-    """``channel``: twins.core.OF_LOAD means the load of four electrodes; ``state``: twins.slip.slip.State;
-    ``p2p``: in codes of the detail; ``p2p_v``, ``p2p_n``: of the Haar coefficient in volts or in newtons,
-    depending on whether the samples are a sensor's volts or a taxel's forces.
+    """A flag of slip rose.
+
+    Attributes
+    ----------
+    channel : int
+        twins.core.OF_LOAD: the load of four electrodes.
+    state : int
+        twins.slip.slip.State.
+    p2p : int
+        In codes of the detail.
+    p2p_v, p2p_n : float or None
+        Of the Haar coefficient in volts or newtons: the samples are a sensor's volts or a taxel's forces.
     """
 
     time: int
@@ -31,7 +42,15 @@ class SlipEvent:
 
 @dataclass(frozen=True)
 class CopFrame:
-    """``x``, ``y``: -1 .. 1, exact; ``load``: sum of the forces; x = y = 0 where not ``pressed``."""
+    """The centre of pressure of a frame.
+
+    Attributes
+    ----------
+    x, y : float
+        -1 .. 1, exact; 0 where not ``pressed``.
+    load : int
+        Sum of the forces.
+    """
 
     time: int
     time_s: float | None
@@ -51,7 +70,7 @@ class Image:
     time: int
     time_s: float | None
     number: int
-    taxels: np.ndarray
+    taxels: NDArray[np.uint16]
     newtons_per_code: float | None
 
 
@@ -73,7 +92,7 @@ class Statistics:
     value: int
 
     @property
-    def name(self):
+    def name(self) -> str:
         return p.COUNTERS[self.index] if self.index < len(p.COUNTERS) else f"counter {self.index}"
 
 
@@ -85,6 +104,10 @@ class Gap:
     seconds: float
 
 
+Stamped = SlipEvent | CopFrame | Image | Health | Statistics  # by the core
+Item = Stamped | Gap
+
+
 class Assembler:
     """``next`` takes a link.decoder.Packet and returns one of the above, or None (part of an image, unknown).
 
@@ -93,16 +116,18 @@ class Assembler:
     differs from ``units``.
     """
 
-    def __init__(self, units=None):
+    def __init__(self, units: Units | None = None) -> None:
         self.units, self.images_lost, self.images_unfit = units or Units(), 0, 0
-        self.unfit = None  # taxels of the newest image, if its size differs from ``units``
+        self.unfit = 0  # taxels of the newest image, if its size differs from ``units``
         self.restart()
 
-    def restart(self):
+    def restart(self) -> None:
         """The core was reset: its images are numbered from 0 again, and one may have begun already."""
-        self._image, self._parts, self._owed = None, [], False
+        self._image: tuple[int, int] | None = None  # number and time
+        self._parts: list[int] | None = []
+        self._owed = False
 
-    def next(self, packet):
+    def next(self, packet: Packet) -> Item | None:
         fields, units = packet.fields, self.units
         at = (packet.time, units.seconds(packet.time))
         if packet.kind == p.SLIP:
@@ -122,7 +147,7 @@ class Assembler:
             return self._image_part(packet, at)
         return None
 
-    def _image_part(self, packet, at):
+    def _image_part(self, packet: Packet, at: tuple[int, float | None]) -> Image | None:
         fields, which = packet.fields, (packet.fields["image"], packet.time)
         if which != self._image or fields["first"] == 0:
             if self._image is not None:
@@ -139,7 +164,7 @@ class Assembler:
             return None
         taxels, self._parts, self._owed = np.array(self._parts, dtype=np.uint16), None, False
         rows, columns = self.units.rows or 1, self.units.columns
-        self.unfit = len(taxels) if len(taxels) != rows * (columns or len(taxels)) else None
+        self.unfit = len(taxels) if len(taxels) != rows * (columns or len(taxels)) else 0
         if self.unfit:
             self.images_unfit += 1
             return None

@@ -1,13 +1,14 @@
 """A pseudo-terminal in front of a pipe, so that anything with a core's protocol opens like a serial port.
-
-The pipe is any object with two methods that never wait: ``read(n)`` returns at most n bytes that the core
-sends now (b"" for none), ``write(data)`` takes bytes for the core. A pty that nobody reads stalls the pipe.
+A pty that nobody reads stalls the pipe.
 """
 
 import os
 import select
 import threading
 import tty
+from typing import Self
+
+from meissner.host.line import BytePipe
 
 BLOCK = 4096
 POLL_S = 0.002
@@ -16,7 +17,7 @@ POLL_S = 0.002
 class Pty:
     """``url`` is for ``meissner.host.connect``; a thread moves the bytes until ``unplug``."""
 
-    def __init__(self, pipe):
+    def __init__(self, pipe: BytePipe) -> None:
         self.pipe = pipe
         self._core, self._host = os.openpty()
         tty.setraw(self._host)
@@ -27,7 +28,7 @@ class Pty:
         self._thread = threading.Thread(target=self._pump, daemon=True)
         self._thread.start()
 
-    def _pump(self):
+    def _pump(self) -> None:
         waiting = b""
         while not self._stop.is_set():
             waiting = waiting or self.pipe.read(BLOCK)
@@ -39,7 +40,7 @@ class Pty:
             elif waiting and not readable:
                 self._stop.wait(POLL_S)
 
-    def unplug(self):
+    def unplug(self) -> None:
         """Close both ends, as if the cable were pulled: the host reports an interruption."""
         if not self._stop.is_set():
             self._stop.set()
@@ -47,8 +48,8 @@ class Pty:
             os.close(self._core)
             os.close(self._host)
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.unplug()

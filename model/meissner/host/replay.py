@@ -3,9 +3,10 @@
 import numpy as np
 
 from meissner import engines
+from meissner.arrays import Arrays
 
 
-def replay(log, engine, min_load=1):
+def replay(log: Arrays, engine: str, min_load: int = 1) -> Arrays:
     """Arrays of ``process_cop`` for each logged image, with the logged results beside them.
 
     ``log``: from meissner.host.log.read. ``time``: clocks; ``logged``: whether the log has the core's CoP of
@@ -24,7 +25,7 @@ def replay(log, engine, min_load=1):
     return {"time": log["image_time"], **found, "logged": rows >= 0, **beside}
 
 
-def differences(result):
+def differences(result: Arrays) -> tuple[int, int, dict[str, int]]:
     """(frames logged with image and CoP, how many of them differ, {number: largest difference})."""
     both = result["logged"]
     pairs = {"x": "x", "y": "y", "load": "sum", "pressed": "valid"}

@@ -2,13 +2,19 @@
 
 import io
 import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from types import SimpleNamespace
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from meissner.builds.toolchain import ROOT
-from meissner.builds.units import FRACTION_BITS
+from meissner.builds.units import FRACTION_BITS, Units
 from meissner.host import packets
+from meissner.host.unfinished_log import UnfinishedLog
+
+Found = dict[str, str] | tuple[str, int, Any]  # facts, or topic, ns and message
 
 FRAME_ID = "tactile"  # origin in the array's middle, x to the right, y up
 METADATA = "meissner"
@@ -26,7 +32,7 @@ _DEFINITIONS = {
 }
 
 
-def definition(name):
+def definition(name: str) -> str:
     """The text of ``name`` ("package/Type") with every type it refers to, as an MCAP schema needs it."""
     known = dict(_DEFINITIONS)
     known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text("utf-8")
@@ -38,20 +44,22 @@ def definition(name):
     return text
 
 
-def _header(stamp_ns):
+def _header(stamp_ns: int) -> SimpleNamespace:
     stamp = SimpleNamespace(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9)
     return SimpleNamespace(stamp=stamp, frame_id=FRAME_ID)
 
 
-def _array(labels, values):
+def _array(labels: Iterable[str], values: Sequence[int]) -> SimpleNamespace:
     dims = [SimpleNamespace(label=",".join(labels), size=len(values), stride=len(values))]
     return SimpleNamespace(layout=SimpleNamespace(dim=dims, data_offset=0), data=values)
 
 
-def _frame(stamp_ns, item, newtons_per_code):
+def _frame(
+    stamp_ns: int, item: packets.CopFrame | packets.Image, newtons_per_code: float | None
+) -> SimpleNamespace:
     frame = {"header": _header(stamp_ns), "ticks": item.time, "newtons_per_code": newtons_per_code or 0.0}
     cop = dict.fromkeys(("x", "y", "load"), 0) | {"has_cop": False, "pressed": False}
-    image = dict.fromkeys(("rows", "columns", "number"), 0) | {"taxels": []}
+    image: dict[str, object] = dict.fromkeys(("rows", "columns", "number"), 0) | {"taxels": []}
     if isinstance(item, packets.Image):
         rows, columns = item.taxels.shape
         image = {
@@ -72,27 +80,30 @@ class McapWriter:
     ``flush`` writes the packets so far as a chunk; a file that was cut off is readable up to the last chunk.
     """
 
-    def __init__(self, file, known):
+    def __init__(self, file: UnfinishedLog, known: Units) -> None:
+        from mcap.records import Schema
         from mcap_ros2.writer import Writer
 
-        self._writer, self._known = Writer(file), known
-        self._schemas, self._count = {}, 0
+        self._writer = Writer(file)  # type: ignore[arg-type]  # it needs write and tell only
+        self._schemas: dict[str, Schema] = {}
+        self._known, self._count = known, 0
 
-    def _write(self, stamp_ns, topic, kind, message):
+    def _write(self, stamp_ns: int, topic: str, kind: str, message: SimpleNamespace) -> None:
         if kind not in self._schemas:
             package, name = kind.split("/")
             self._schemas[kind] = self._writer.register_msgdef(f"{package}/msg/{name}", definition(kind))
         self._writer.write_message(topic, self._schemas[kind], message, stamp_ns, stamp_ns, self._count)
         self._count += 1
 
-    def add(self, stamp_ns, item):
+    def add(self, stamp_ns: int, item: packets.Item) -> None:
         scale = self._known.newtons_per_code
         if isinstance(item, packets.CopFrame):
             self._write(
                 stamp_ns, "/tactile/frame", "meissner_msgs/TactileFrame", _frame(stamp_ns, item, scale)
             )
-            metres = (item.x_mm, item.y_mm) if item.x_mm is not None else (1e3 * item.x, 1e3 * item.y)
-            point = SimpleNamespace(x=metres[0] / 1e3, y=metres[1] / 1e3, z=0.0)
+            x = item.x if item.x_mm is None else item.x_mm / 1e3
+            y = item.y if item.y_mm is None else item.y_mm / 1e3
+            point = SimpleNamespace(x=x, y=y, z=0.0)
             message = SimpleNamespace(header=_header(stamp_ns), point=point)
             self._write(stamp_ns, "/tactile/cop", "geometry_msgs/PointStamped", message)
             load = float(item.load if item.load_n is None else item.load_n)
@@ -114,26 +125,27 @@ class McapWriter:
             text = json.dumps({"reason": item.reason, "seconds": item.seconds})
             self._write(stamp_ns, "/tactile/gap", "std_msgs/String", SimpleNamespace(data=text))
 
-    def _numbers(self, stamp_ns, topic, ticks, values):
+    def _numbers(self, stamp_ns: int, topic: str, ticks: int, values: dict[str, int]) -> None:
         values = {"ticks": ticks, **values}
         message = _array(values.keys(), list(values.values()))
         self._write(stamp_ns, topic, "std_msgs/Int64MultiArray", message)
 
-    def tell(self, facts):
+    def tell(self, facts: Mapping[str, float | None]) -> None:
         self._writer.add_metadata(METADATA, {name: str(value) for name, value in facts.items()})
 
-    def flush(self):
+    def flush(self) -> None:
         self._writer._writer.flush()  # the ROS 2 writer has no flush of its own
 
-    def finish(self, facts):
+    def finish(self, facts: Mapping[str, float | None]) -> None:
         self.tell(facts)
         self._writer.finish()
 
 
-def read(path):
+def read(path: str | Path) -> tuple[dict[str, str], list[tuple[int, packets.Item]], bool]:
     """(facts, [(ns, packet)], whether it is complete) of a file that McapWriter wrote, positions and loads
     without physical units. A file that was cut off gives the content of its complete records."""
-    facts, items = {}, []
+    facts: dict[str, str] = {}
+    items: list[tuple[int, packets.Item]] = []
     with open(path, "rb") as file:
         whole = _whole(file)
         for found in _of_whole(file) if whole else _of_part(file):
@@ -147,7 +159,7 @@ def read(path):
     return facts, items, whole
 
 
-def _whole(file):
+def _whole(file: BinaryIO) -> bool:
     """Whether an MCAP file ends with the magic bytes of a finished one."""
     from mcap.writer import MCAP0_MAGIC
 
@@ -158,7 +170,7 @@ def _whole(file):
     return end == MCAP0_MAGIC and size > len(MCAP0_MAGIC)
 
 
-def _of_whole(file):
+def _of_whole(file: BinaryIO) -> Iterator[Found]:
     """Facts, and (topic, ns, message) of each message."""
     from mcap.reader import make_reader
     from mcap_ros2.decoder import DecoderFactory
@@ -169,14 +181,17 @@ def _of_whole(file):
         yield decoded.channel.topic, decoded.message.log_time, decoded.decoded_message
 
 
-def _of_part(file):
+def _of_part(file: BinaryIO) -> Iterator[Found]:
     """The same for a file that was cut off: record by record, as far as they are complete."""
     from mcap.exceptions import EndOfFile
     from mcap.records import Channel, Message, Metadata, Schema
     from mcap.stream_reader import StreamReader
     from mcap_ros2.decoder import DecoderFactory
 
-    factory, schemas, channels, decoders = DecoderFactory(), {}, {}, {}
+    factory = DecoderFactory()
+    schemas: dict[int, Schema] = {}
+    channels: dict[int, Channel] = {}
+    decoders: dict[int, Callable[[bytes], Any]] = {}
     records = StreamReader(io.BytesIO(_whole_records(file)), validate_crcs=True).records
     while True:
         try:
@@ -191,13 +206,14 @@ def _of_part(file):
             schemas[record.id] = record
         elif isinstance(record, Channel):
             channels[record.id] = record
-            decoders[record.id] = factory.decoder_for(record.message_encoding, schemas[record.schema_id])
+            decode = factory.decoder_for(record.message_encoding, schemas[record.schema_id])
+            decoders |= {record.id: decode} if decode else {}
         elif isinstance(record, Message):
             message = decoders[record.channel_id](record.data)
             yield channels[record.channel_id].topic, record.log_time, message
 
 
-def _whole_records(file):
+def _whole_records(file: BinaryIO) -> bytes:
     """The file up to the end of its last complete record: 1 byte of kind, 8 of length, content."""
     data = file.read()
     end = 8  # bytes of magic
@@ -209,7 +225,7 @@ def _whole_records(file):
     return data[:end]
 
 
-def _items(topic, message):
+def _items(topic: str, message: Any) -> Iterator[packets.Item]:
     kind = topic.rpartition("/")[2]
     if kind == "frame" and message.has_cop:
         x, y = message.x / (1 << FRACTION_BITS), message.y / (1 << FRACTION_BITS)

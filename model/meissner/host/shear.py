@@ -7,8 +7,10 @@ Registers serve better than packets here: a control loop needs the newest speed 
 gets every one, and the packet formats stay unchanged. ``windows`` counts, so that a host detects missed ones.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
+from meissner.host.core import Core
 from meissner.twins.slip.shear_speed import FLAGS, ShearSettings
 from meissner.twins.slip.shear_speeds import MAX_CHANNELS, SIZE
 
@@ -27,7 +29,7 @@ class Speed:
     """The result of a channel's last window. ``speed_mm_s``: None if any of ``flags`` is set."""
 
     speed_mm_s: float | None
-    flags: tuple
+    flags: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,16 @@ class Levels:
     windows: int
 
 
-def write_lot(write, rubber, codes_per_v):
-    """Give the estimator another lot through ``write(name, value)``; it forgets the levels it has learned."""
+def write_lot(write: Callable[[str, int], object], rubber: Rubber, codes_per_v: float) -> None:
+    """Give the estimator another lot; it forgets the levels it has learned.
+
+    Parameters
+    ----------
+    write : callable
+        Takes a register's name and value, as ``core.__setitem__`` does.
+    codes_per_v : float
+        Of the converter.
+    """
     found = ShearSettings.of(codes_per_v, 1.0, SIZE, k0=rubber.k0_v, k1=rubber.k1, n=rubber.n, travel=0.0)
     write("shear_speed.enable", 0)
     for name in ("k0", "k1", "exponent"):
@@ -48,20 +58,26 @@ def write_lot(write, rubber, codes_per_v):
     write("shear_speed.enable", 1)
 
 
-def of_word(word):
+def of_word(word: int) -> Speed:
     """The Speed in a word of the registers ``channel0`` .. ``channel7``."""
     flags = tuple(name for bit, name in enumerate(FLAGS) if word >> 24 + bit & 1)
     return Speed(None if flags else (word & 0xFFFFFF) / (1 << SIZE.speed_fraction), flags)
 
 
-def speeds(core):
+def speeds(core: Core) -> list[Speed]:
     """The Speed of each channel of a meissner.host.core.Core, each from a single window."""
-    count = min(core.units.columns, MAX_CHANNELS)
+    count = min(core.units.columns or 1, MAX_CHANNELS)
     return [of_word(core[f"shear_speed.channel{channel}"]) for channel in range(count)]
 
 
-def levels(core, channel, codes_per_v, tries=8):
-    """The Levels of a channel, all from one window; OSError if a window ends during each attempt."""
+def levels(core: Core, channel: int, codes_per_v: float, tries: int = 8) -> Levels:
+    """The Levels of a channel, all from one window.
+
+    Raises
+    ------
+    OSError
+        If a window ends during each attempt.
+    """
     core["shear_speed.select"] = channel
     for _ in range(tries):
         before = core["shear_speed.windows"]

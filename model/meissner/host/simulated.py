@@ -6,14 +6,19 @@ type None only advances the time. It may read the core's registers, which change
 
 import heapq
 import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import count
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meissner import engines, scenes
+from meissner.arrays import Ints
 from meissner.builds import units
 from meissner.host import names
+from meissner.inputs import check_forces
 from meissner.twins.link import bridge, cobs
 from meissner.twins.link import packet as p
 from meissner.twins.link.registers import Registers, reset_word
@@ -29,6 +34,10 @@ BLOCK = 64  # details between two looks at the registers
 SHOWN = "acrylic_slip+walk_25x5"
 
 
+Sent = tuple[int, int | None, bytes]
+Source = Callable[["SimulatedCore"], Iterator[Sent]]
+
+
 class SimulatedCore:
     """A pipe for meissner.host.pty or meissner.host.line.
 
@@ -38,8 +47,15 @@ class SimulatedCore:
     """
 
     def __init__(
-        self, source=(), features=None, settings=None, size=(1, 1), clk_khz=CLK_KHZ, speed=0.0, level=1
-    ):
+        self,
+        source: Source | Sequence[Sent] = (),
+        features: Sequence[str] | None = None,
+        settings: Mapping[str, int] | None = None,
+        size: tuple[int, int] = (1, 1),
+        clk_khz: int = CLK_KHZ,
+        speed: float = 0.0,
+        level: int = 1,
+    ) -> None:
         taxels = size[0] * size[1]
         widths = {"detail": SAMPLE_BITS + level, "timer": TIMER_BITS, "offset": 17}
         widths["load"] = 16 + (taxels - 1).bit_length()
@@ -56,26 +72,27 @@ class SimulatedCore:
         self._make = source if callable(source) else lambda core: iter(source)
         self.restart()
 
-    def restart(self):
+    def restart(self) -> None:
         """Reset the core: settings, packet numbers and time start over."""
         self.registers.reset()
-        self._source, self._next = self._make(self), None
+        self._source = self._make(self)
+        self._next: Sent | None = None
         self._out, self._in, self._number = bytearray(), bytearray(), 0
         self._began, self._now = time.monotonic(), 0
         self.rejected = 0
 
     @property
-    def now(self):
+    def now(self) -> int:
         """Clocks since reset."""
         passed = (time.monotonic() - self._began) * self.speed * 1000 * self.clk_khz
         return max(self._now, int(passed))
 
-    def boundary(self):
+    def boundary(self) -> None:
         """A frame begins: the settings that wait for it take effect."""
         if self.registers.pending:
             self.registers.commit()
 
-    def read(self, n):
+    def read(self, n: int) -> bytes:
         """Up to ``n`` bytes that are due; slower than ``speed`` if the machine cannot keep up."""
         late = time.monotonic() + LATE_S
         while len(self._out) < n:
@@ -93,14 +110,14 @@ class SimulatedCore:
         del self._out[: len(data)]
         return data
 
-    def say(self, kind, at, payload):
+    def say(self, kind: int, at: int, payload: bytes) -> None:
         """Send a packet."""
         self._now = max(self._now, at)
         self._out += cobs.encode(p.packet(kind, self._number, at, payload))
         self._number += 1
         self.status["link", "packets", "value"] = self._number
 
-    def write(self, data):
+    def write(self, data: bytes) -> None:
         """Bytes for the register bridge."""
         self._in += data
         whole = self._in.rfind(b"\0") + 1
@@ -112,24 +129,24 @@ class SimulatedCore:
             status = bridge.BUS_ERROR if error else bridge.DONE
             self.say(p.ANSWER, self.now, bridge.answer(tag, status, address, word))
 
-    def slip_config(self, **build):
-        """The SlipConfig in the registers of the group slip; ``build``: window, hop."""
-        values = {}
+    def slip_config(self, window: int = SlipConfig.window, hop: int = SlipConfig.hop) -> SlipConfig:
+        """The SlipConfig in the registers of the group slip, for a build with that window and hop."""
+        values: dict[str, Any] = {}
         for name in names.PLACES:
             if name.startswith("slip.") and names.place(name).writable:
                 key = name.removeprefix("slip.")
                 values[key] = names.place(name).value(self.registers.setting("slip", key))
         for name in SWITCHES:
             values[name] = bool(values[name])
-        return SlipConfig(level=self.level, **build, **values)
+        return SlipConfig(level=self.level, window=window, hop=hop, **values)
 
 
-def settings_of(config):
+def settings_of(config: SlipConfig) -> dict[str, int]:
     """{name: value} of the group slip's registers for a SlipConfig."""
     return {f"slip.{name}": value for name, value in config.settings.items()}
 
 
-def blocks_of(codes, level=1, loop=False):
+def blocks_of(codes: ArrayLike, level: int = 1, loop: bool = False) -> Iterator[Ints]:
     """Codes [channels, samples] as blocks of whole details, once or repeated endlessly."""
     codes, step = np.atleast_2d(codes), BLOCK << level
     usable = codes.shape[1] >> level << level
@@ -138,21 +155,21 @@ def blocks_of(codes, level=1, loop=False):
             yield codes[:, start : min(start + step, usable)]
 
 
-def slip_source(blocks, rate_hz, window=64, hop=64):
+def slip_source(blocks: Iterable[Ints], rate_hz: float, window: int = 64, hop: int = 64) -> Source:
     """Blocks of codes [channels, whole details] through the slip path's twins: a packet where a flag rises.
 
     The settings come from the core's registers, read before each block; ``blocks`` may be a generator.
     """
 
-    def source(core):
+    def source(core: SimulatedCore) -> Iterator[Sent]:
         level = core.level
         clocks, group = 1000 * core.clk_khz / rate_hz, 1 << level
-        spans = twin = None
-        done, flag = 0, False
+        spans: PeakToPeak | None = None
+        done = 0
         for codes in blocks:
             core.boundary()
-            config = core.slip_config(window=window, hop=hop)
-            if twin is None:
+            config = core.slip_config(window, hop)
+            if spans is None:
                 spans = PeakToPeak(len(codes), window // group, hop // group)
                 twin, flag = Slip(len(codes), config), np.zeros((len(codes), 1), dtype=bool)
                 before = codes[:, :0]
@@ -175,12 +192,14 @@ def slip_source(blocks, rate_hz, window=64, hop=64):
     return source
 
 
-def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=False):
+def array_source(
+    forces: ArrayLike, rate_hz: float, min_load: int = 1, image_every: int = 1, loop: bool = False
+) -> Source:
     """Frames of forces [frames, rows, columns] through the CoP twin: their CoP and images."""
-    forces = engines.check_forces(forces)
+    forces = check_forces(forces)
     found = engines.process_cop(forces, "fixed", min_load)
 
-    def source(core):
+    def source(core: SimulatedCore) -> Iterator[Sent]:
         clocks = 1000 * core.clk_khz / rate_hz
         for turn in count() if loop else (0,):
             for k, frame in enumerate(forces):
@@ -189,13 +208,13 @@ def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=Fals
                 x, y, load, pressed = (int(found[name][k]) for name in ("x", "y", "sum", "valid"))
                 yield at, p.COP, p.cop_frame(x, y, load, pressed)
                 if place % image_every == 0:
-                    for part in p.image_chunks(place // image_every, frame.ravel().tolist(), chunk):
+                    for part in p.image_chunks(place // image_every, frame.ravel().tolist()):
                         yield at, p.IMAGE, part
 
     return source
 
 
-def statistics_source(core):
+def statistics_source(core: SimulatedCore) -> Iterator[Sent]:
     """The core's counters in turn, endlessly; here all but the rejected commands stay 0."""
     for turn in count():
         name = p.COUNTERS[turn % len(p.COUNTERS)]
@@ -203,20 +222,22 @@ def statistics_source(core):
         yield (turn + 1) * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(turn % len(p.COUNTERS), value)
 
 
-def together(*sources):
+def together(*sources: Source) -> Source:
     """The packets of all sources in order of time, until the last source ends."""
     return lambda core: heapq.merge(*(source(core) for source in sources), key=lambda item: item[0])
 
 
-def of_scenes(which=SHOWN, speed="1"):
+def of_scenes(which: str = SHOWN, speed: str = "1") -> SimulatedCore:
     """A core whose sensors play slip and array scenes in a loop; ``which``: names joined by +."""
     try:
-        speed = float(speed)
-        if not 0 < speed < float("inf"):
+        rate = float(speed)
+        if not 0 < rate < float("inf"):
             raise ValueError
     except ValueError:
         raise ValueError(f"speed = {speed} must be a number above 0") from None
-    sources, settings, size, known, level = [statistics_source], {}, (1, 1), units.Units(), 1
+    sources: list[Source] = [statistics_source]
+    settings: dict[str, int] = {}
+    size, known, level = (1, 1), units.Units(), 1
     for name in (which or SHOWN).split("+"):
         scene = scenes.load(name)
         if scene.sensor == "rubber":
@@ -236,6 +257,6 @@ def of_scenes(which=SHOWN, speed="1"):
             known = replace(known, newtons_per_code=scene.load_lsb)
         else:
             raise ValueError(f"scene {name} has neither a rubber sensor nor an array, so it gives no packets")
-    core = SimulatedCore(together(*sources), settings=settings, size=size, speed=speed, level=level)
+    core = SimulatedCore(together(*sources), settings=settings, size=size, speed=rate, level=level)
     core.units = known
     return core

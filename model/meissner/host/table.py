@@ -2,13 +2,18 @@
 
 import io
 import zlib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from meissner.builds.units import FRACTION_BITS
+from meissner.arrays import Arrays
+from meissner.builds.units import FRACTION_BITS, Units
 from meissner.files import arrays_of, written
 from meissner.host import packets
+from meissner.host.unfinished_log import UnfinishedLog
 
 MAGIC = b"MSNROWS1"  # then blocks: 32-bit length, CRC-32, content (a .npz)
 
@@ -30,20 +35,26 @@ _KINDS = {
 }
 
 
+Facts = Mapping[str, float | None]
+
+
 class Table:
     """``add`` packets; ``new`` returns those added since its last call, ``arrays`` all."""
 
-    def __init__(self):
-        self._blocks, self._shape = [], None
+    def __init__(self) -> None:
+        self._blocks: list[Arrays] = []
+        self._shape: tuple[int, ...] | None = None
         self._clear()
 
-    def _clear(self):
-        self._columns = {kind: {name: [] for name in names} for kind, names in COLUMNS.items()}
-        self._images = []
+    def _clear(self) -> None:
+        self._columns: dict[str, dict[str, list[Any]]] = {
+            kind: {name: [] for name in names} for kind, names in COLUMNS.items()
+        }
+        self._images: list[NDArray[np.uint16]] = []
 
-    def add(self, stamp_ns, item):
+    def add(self, stamp_ns: int, item: packets.Item) -> None:
         kind = _KINDS[type(item)]
-        if kind == "image":
+        if isinstance(item, packets.Image):
             self._shape = self._shape or item.taxels.shape
             if item.taxels.shape != self._shape:
                 raise ValueError(
@@ -55,7 +66,7 @@ class Table:
             value = stamp_ns if name == "ns" else getattr(item, name)
             column.append(round(value * (1 << FRACTION_BITS)) if name in ("x", "y") else value)
 
-    def new(self):
+    def new(self) -> Arrays:
         found = {
             f"{kind}_{name}": np.array(column, dtype=COLUMNS[kind][name])
             for kind, columns in self._columns.items()
@@ -67,12 +78,12 @@ class Table:
         self._blocks.append(found)
         return found
 
-    def arrays(self):
+    def arrays(self) -> Arrays:
         self.new()
         return joined(self._blocks)
 
 
-def joined(blocks):
+def joined(blocks: Sequence[Arrays]) -> Arrays:
     """The arrays of consecutive tables joined; ValueError if their images differ in size."""
     if not blocks:
         return Table().arrays()
@@ -86,41 +97,43 @@ class NpzLog:
 
     KIND = ".rows"
 
-    def __init__(self, spool, known):
-        self.spool, self._table, self._facts, self._told = spool, Table(), {}, False
+    def __init__(self, spool: UnfinishedLog, known: Units) -> None:
+        self.spool, self._table, self._told = spool, Table(), False
         self.add = self._table.add
         spool.write(MAGIC)
 
-    def tell(self, facts):
-        self._facts, self._told = facts, False
+    def tell(self, facts: Facts) -> None:
+        self._told = False
 
-    def flush(self, facts):
+    def flush(self, facts: Facts) -> None:
         found = {name: array for name, array in self._table.new().items() if len(array)}
         if found or not self._told:
             block = io.BytesIO()
-            np.savez_compressed(block, **found, **_facts(facts))
+            _save(block, found, facts)
             data = block.getvalue()
             head = [len(data).to_bytes(4, "little"), zlib.crc32(data).to_bytes(4, "little")]
             self.spool.write(b"".join([*head, data]))
             self._told = True
         self.spool.flush()
 
-    def finish(self, path, facts):
+    def finish(self, path: str | Path, facts: Facts) -> None:
         with written(path) as file:
-            np.savez_compressed(file, **self._table.arrays(), **_facts(facts))
+            _save(file, self._table.arrays(), facts)
         self.spool.remove()
 
 
-def _facts(facts):
-    return {name: np.asarray(value) for name, value in facts.items()}
+def _save(file: IO[bytes], arrays: Arrays, facts: Facts) -> None:
+    found = arrays | {name: np.asarray(value) for name, value in facts.items()}
+    np.savez_compressed(file, **found)  # type: ignore[arg-type]  # of allow_pickle, which is no name here
 
 
-def read_rows(path):
+def read_rows(path: str | Path) -> Arrays:
     """Arrays and facts of an NpzLog's spool up to its last complete block; ValueError if it is not one."""
     data = Path(path).read_bytes()
     if not data.startswith(MAGIC):
         raise ValueError(f"{path} does not contain the rows of a log")
-    at, blocks, facts = len(MAGIC), [], {}
+    blocks: list[Arrays] = []
+    at, facts = len(MAGIC), Arrays()
     empty = Table().arrays()
     while at + 8 <= len(data):
         length, crc = (int.from_bytes(data[at + k : at + k + 4], "little") for k in (0, 4))

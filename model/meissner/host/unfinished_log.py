@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 
-def part_of(path, kind, number=1):
+def part_of(path: str | Path, kind: str, number: int = 1) -> Path:
     """The name of the file beside ``path``, a log of ``kind``; ``number``: above 1 beside earlier ones."""
     path = Path(path)
     return path.with_name(f"{path.name}.part{number if number > 1 else ''}{kind}")
@@ -15,7 +15,7 @@ class UnfinishedLog:
     the process; ``give_up`` takes back a write that could not be completed.
     """
 
-    def __init__(self, path, kind):
+    def __init__(self, path: str | Path, kind: str) -> None:
         number = 1
         while True:
             self.path = part_of(path, kind, number)
@@ -26,34 +26,34 @@ class UnfinishedLog:
                 number += 1
         self._at = self._kept = 0
 
-    def write(self, data):
+    def write(self, data: bytes) -> None:
         left = memoryview(data).cast("B")
         while left:
             count = os.write(self._fd, left)
             self._at += count
             left = left[count:]
 
-    def tell(self):
+    def tell(self) -> int:
         return self._at
 
-    def flush(self):
+    def flush(self) -> None:
         """Mark everything written so far as kept."""
         self._kept = self._at
 
-    def give_up(self):
+    def give_up(self) -> None:
         """Cut the file off at the last ``flush`` and close it."""
         os.ftruncate(self._fd, self._kept)
         self.close()
 
-    def close(self):
-        if self._fd is not None:
+    def close(self) -> None:
+        if self._fd >= 0:
             os.close(self._fd)
-        self._fd = None
+        self._fd = -1
 
-    def remove(self):
+    def remove(self) -> None:
         self.close()
         self.path.unlink(missing_ok=True)
 
-    def rename(self, path):
+    def rename(self, path: str | Path) -> None:
         self.close()
         os.replace(self.path, path)

@@ -1,28 +1,34 @@
 """The display of ``meissner live``: the newest values, as lines for a pipe, a picture for a terminal."""
 
 from collections import deque
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meissner.host import packets
+from meissner.host.core import Core
 from meissner.twins.core import OF_LOAD
 from meissner.twins.slip.slip import State
+
+if TYPE_CHECKING:
+    from rich.console import Group
 
 SHADES = " ░▒▓█"
 SHORT_S = 0.2  # an interval too short for a rate of packets
 WIDEST, HIGHEST = 32, 16  # cells of the picture; in a larger array each cell shows its largest taxel
-SLIP_COLOURS = {State.INCIPIENT: "yellow", State.GROSS: "red"}
+SLIP_COLOURS: dict[int, str] = {State.INCIPIENT: "yellow", State.GROSS: "red"}
 
 
-def state_name(state):
+def state_name(state: int) -> str:
     return state.name.lower() if isinstance(state, State) else f"state {state}"
 
 
-def channel_name(channel):
+def channel_name(channel: int) -> str:
     return "load" if channel == OF_LOAD else str(channel)
 
 
-def coarse(taxels):
+def coarse(taxels: NDArray[np.uint16]) -> NDArray[np.uint16]:
     """The taxels as at most HIGHEST × WIDEST cells, each the maximum of its taxels."""
     for axis, most in ((0, HIGHEST), (1, WIDEST)):
         count = taxels.shape[axis]
@@ -32,7 +38,7 @@ def coarse(taxels):
     return taxels
 
 
-def heat_map(taxels):
+def heat_map(taxels: NDArray[np.uint16]) -> list[str]:
     """Lines of block characters, two per cell, shaded from 0 to the image's maximum."""
     cells = coarse(taxels).astype(np.int64)
     most = max(1, int(cells.max()))
@@ -43,15 +49,18 @@ def heat_map(taxels):
 class View:
     """``add`` takes packets; ``line`` and ``picture`` show the newest."""
 
-    def __init__(self, core):
+    def __init__(self, core: Core) -> None:
         self.core = core
-        self.slips, self.slip_count = {}, 0  # the last event of each channel
-        self.cop = self.image = None
-        self.statistics, self.health = {}, {}
-        self.messages = deque(maxlen=4)
+        self.slips: dict[int, packets.SlipEvent] = {}  # the last of each channel
+        self.slip_count = 0
+        self.cop: packets.CopFrame | None = None
+        self.image: packets.Image | None = None
+        self.statistics: dict[str, int] = {}
+        self.health: dict[int, int] = {}
+        self.messages: deque[str] = deque(maxlen=4)
         self._rate = (0.0, 0, 0.0)  # time of the last tick, packets then, packets per second
 
-    def add(self, item):
+    def add(self, item: packets.Item | None) -> str | None:
         """Take a packet; the line to print immediately, or None."""
         if isinstance(item, packets.SlipEvent):
             self.slips[item.channel] = item
@@ -68,7 +77,7 @@ class View:
             return f"{self._at(item)}taxel {item.taxel} faults 0b{item.faults:b}"
         return None
 
-    def tick(self, now_s):
+    def tick(self, now_s: float) -> None:
         """Update the packet rate; call at intervals. One too short for a rate leaves the last rate."""
         when, before, rate = self._rate
         count = self.core.counts.packets
@@ -76,20 +85,20 @@ class View:
             return
         self._rate = (now_s, count, (count - before) / (now_s - when) if now_s > when else 0.0)
 
-    def _at(self, item):
+    def _at(self, item: packets.Stamped) -> str:
         return f"{item.time} clocks: " if item.time_s is None else f"{item.time_s:.4f} s: "
 
-    def _slip(self, item):
+    def _slip(self, item: packets.SlipEvent) -> str:
         return (
             f"{self._at(item)}slip, channel {channel_name(item.channel)}, {state_name(item.state)}, "
             f"peak-to-peak {self._p2p(item)}"
         )
 
-    def _p2p(self, item):
+    def _p2p(self, item: packets.SlipEvent) -> str:
         volts = "" if item.p2p_v is None else f", {1e3 * item.p2p_v:.1f} mV"
         return f"{item.p2p}{volts}" + ("" if item.p2p_n is None else f", {1e3 * item.p2p_n:.1f} mN")
 
-    def _cop(self):
+    def _cop(self) -> str:
         cop = self.cop
         if cop is None:
             return "no centre of pressure yet"
@@ -99,12 +108,12 @@ class View:
         place = f"x {cop.x:+.3f} y {cop.y:+.3f}"
         return f"{place}{'' if cop.x_mm is None else f' ({cop.x_mm:+.2f}, {cop.y_mm:+.2f} mm)'}, {load}"
 
-    def _simulated(self):
+    def _simulated(self) -> str:
         """The progress of a core simulated in this process, which is slower than real time."""
         seconds = getattr(getattr(self.core.line, "pipe", None), "simulated_s", None)
         return "" if seconds is None else f"simulated {seconds:.3f} s, "
 
-    def _line(self):
+    def _line(self) -> str:
         counts = self.core.counts
         return (
             f"{self._simulated()}{self._rate[2]:.0f} packets/s, "
@@ -112,12 +121,12 @@ class View:
             f"{counts.images_lost} images lost, {counts.gaps} gaps ({counts.gap_s:.1f} s)"
         )
 
-    def line(self):
+    def line(self) -> str:
         """A summary in one line."""
         slips = f"{self.slip_count} slip event{'s' * (self.slip_count != 1)}"
         return f"{self._cop()}; {slips}; {self._line()}"
 
-    def picture(self):
+    def picture(self) -> "Group":
         """The same as a renderable for rich."""
         from rich.console import Group
         from rich.panel import Panel
@@ -129,7 +138,7 @@ class View:
             item = self.slips[channel]
             state = Text(state_name(item.state), SLIP_COLOURS.get(item.state, ""))
             slips.add_row(channel_name(channel), state, self._p2p(item), self._at(item).removesuffix(": "))
-        parts = [
+        parts: list[Panel | Text] = [
             Panel(slips, title=f"slip, {self.slip_count} events"),
             Panel(self._cop(), title="centre of pressure"),
         ]

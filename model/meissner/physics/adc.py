@@ -15,6 +15,9 @@ crosstalk, reference drift, the AD7606's anti-alias filter (15 kHz, above the ba
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from meissner.arrays import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class Adc:
     high_v: float
     noise_v: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not 1 <= self.bits <= 24:
             raise ValueError(f"bits = {self.bits} must be from 1 to 24")
         if self.low_v not in (0, -self.high_v) or self.high_v <= 0:
@@ -35,19 +38,19 @@ class Adc:
             raise ValueError(f"noise_v = {self.noise_v} must not be negative")
 
     @property
-    def lsb_v(self):
+    def lsb_v(self) -> float:
         return (self.high_v - self.low_v) / (1 << self.bits)
 
     @property
-    def min_code(self):
+    def min_code(self) -> int:
         return 0 if self.low_v == 0 else -(1 << self.bits - 1)
 
     @property
-    def max_code(self):
+    def max_code(self) -> int:
         return self.min_code + (1 << self.bits) - 1
 
-    def convert(self, volts, rng=None):
-        """``(codes int64, over_range bool)``, one of each per sample; no noise without ``rng``."""
+    def convert(self, volts: ArrayLike, rng: np.random.Generator | None = None) -> tuple[Ints, Bools]:
+        """Codes and over-range of ``volts``, of their shape; no noise without ``rng``."""
         volts = np.asarray(volts, dtype=float)
         over_range = (volts < self.low_v) | (volts > self.high_v)
         if rng is not None and self.noise_v:
@@ -55,11 +58,7 @@ class Adc:
         codes = np.floor((volts - self.low_v) / self.lsb_v + 0.5) + self.min_code
         return np.clip(codes, self.min_code, self.max_code).astype(np.int64), over_range
 
-    def code_of(self, volts):
-        """The unrounded code of a voltage, for thresholds."""
-        return (volts - self.low_v) / self.lsb_v + self.min_code
-
-    def volts_of(self, codes):
+    def volts_of(self, codes: ArrayLike) -> Floats:
         """The voltage at the centre of each code."""
         return (np.asarray(codes) - self.min_code) * self.lsb_v + self.low_v
 

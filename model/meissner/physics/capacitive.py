@@ -24,6 +24,9 @@ shift of the amplifier (unless its gain is given as a complex number).
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from meissner.arrays import Floats, Values
 
 GRAM_N = 9.80665e-3
 # Published.
@@ -105,12 +108,23 @@ ORIGINS = {
 
 
 def output_v(
-    cell_f, unselected_f, gain, drive_v=10.0, ref_f=REF_F, hertz=CARRIER_HZ, cell_ohm=np.inf, input_ohm=np.inf
-):
-    """Amplitude |Vout| in volts; numbers or arrays that broadcast. ``gain`` may be complex.
+    cell_f: Values,
+    unselected_f: ArrayLike,
+    gain: complex,
+    drive_v: float = 10.0,
+    ref_f: Values = REF_F,
+    hertz: float = CARRIER_HZ,
+    cell_ohm: ArrayLike = np.inf,
+    input_ohm: ArrayLike = np.inf,
+) -> Floats:
+    """Amplitude |Vout| in volts; eq. 18 if both resistances are infinite.
 
-    ``cell_ohm``: leakage between the plates; ``input_ohm``: of the amplifier's input. Eq. 18 if both are
-    infinite.
+    Parameters
+    ----------
+    cell_f, unselected_f, ref_f : float or array
+        Farads; arrays broadcast.
+    cell_ohm, input_ohm : float or array
+        Leakage between the plates, and at the amplifier's input.
     """
     omega = 2j * np.pi * hertz
     cell = omega * cell_f + 1 / np.asarray(cell_ohm, float)
@@ -118,12 +132,12 @@ def output_v(
     return np.abs(drive_v * gain * cell / (gain * omega * ref_f + cell + others))
 
 
-def plate_f(gap_mm, side_mm=TRACE_MM, permittivity=PERMITTIVITY):
+def plate_f(gap_mm: Values) -> Values:
     """Capacitance of the crossing itself in farads: two plates, no fringe field."""
-    return 8.8541878e-15 * permittivity * side_mm**2 / gap_mm
+    return 8.8541878e-15 * PERMITTIVITY * TRACE_MM**2 / gap_mm
 
 
-def tab_height(force_n, stiffness=1.0, tab_mm=TAB_MM):
+def tab_height(force_n: ArrayLike, stiffness: Values = 1.0, tab_mm: Values = TAB_MM) -> Floats:
     """u, the height of a tab under a force over its height at rest: the root of u^3 + q·u^2 = 1."""
     shape = TAB_DIAMETER_MM / (4 * tab_mm)
     modulus = MODULUS_MPA * (1 + 2 * shape**2)
@@ -135,12 +149,12 @@ def tab_height(force_n, stiffness=1.0, tab_mm=TAB_MM):
     return u
 
 
-def capacitance_ratio(force_n, stiffness=1.0, tab_mm=TAB_MM):
+def capacitance_ratio(force_n: ArrayLike, stiffness: Values = 1.0, tab_mm: Values = TAB_MM) -> Floats:
     """C over C at rest under a force."""
     return (BACKING_MM + tab_mm) / (BACKING_MM + tab_mm * tab_height(force_n, stiffness, tab_mm))
 
 
-def creep(force_n, rate_hz):
+def creep(force_n: ArrayLike, rate_hz: float) -> Floats:
     """The force that the tabs follow by each frame; ``force_n`` [frames, ...], at rest before the first."""
     force_n = np.asarray(force_n, float)
     late = [np.zeros(force_n.shape[1:]) for _ in CREEP]
@@ -156,28 +170,36 @@ def creep(force_n, rate_hz):
 
 @dataclass(frozen=True)
 class Pad:
-    """An array as built: ``rest_f``, ``stiffness`` [rows, columns]; ``ref_f`` [columns]; ``stray_f``."""
+    """An array as built.
 
-    rest_f: np.ndarray
-    stiffness: np.ndarray
-    ref_f: np.ndarray
+    Attributes
+    ----------
+    rest_f, stiffness : [rows, columns]
+        Farads unpressed, and the tabs' stiffness as a factor on the nominal one.
+    ref_f : [columns]
+        Farads of the amplifiers; ``stray_f``: of each column.
+    """
+
+    rest_f: Floats
+    stiffness: Floats
+    ref_f: Floats
     stray_f: float
 
-    def capacitance_f(self, force_n):
+    def capacitance_f(self, force_n: ArrayLike) -> Floats:
         """Farads of every cell under forces [..., rows, columns] in newtons."""
         return self.rest_f * capacitance_ratio(force_n, self.stiffness)
 
-    def amplitude_v(self, force_n, gain, drive_v):
+    def amplitude_v(self, force_n: ArrayLike, gain: complex, drive_v: float) -> Floats:
         """Output of each column's amplifier, in volts, while each row is driven [..., rows, columns]."""
         cell = self.capacitance_f(force_n)
         others = cell.sum(-2, keepdims=True) - cell + self.stray_f
         return output_v(cell, others, gain, drive_v, self.ref_f)
 
 
-def build_pad(rows, columns, rng, stray_f=5e-12):
+def build_pad(rows: int, columns: int, rng: np.random.Generator, stray_f: float = 5e-12) -> Pad:
     """A Pad whose parts vary by the chosen standard deviations."""
 
-    def spread(share, *shape):
+    def spread(share: float, *shape: int) -> Floats:
         return 1 + share * rng.standard_normal(shape)
 
     return Pad(
@@ -188,7 +210,14 @@ def build_pad(rows, columns, rng, stray_f=5e-12):
     )
 
 
-def carrier(amplitude_v, samples, samples_per_period, phase=0.0, before_v=None, settle_samples=0.0):
+def carrier(
+    amplitude_v: ArrayLike,
+    samples: int,
+    samples_per_period: float,
+    phase: float = 0.0,
+    before_v: ArrayLike | None = None,
+    settle_samples: float = 0.0,
+) -> Floats:
     """The sampled carrier at a converter's input [..., samples] in volts after a switch at sample 0.
 
     ``amplitude_v`` [...]: settled; ``before_v`` [...]: of the previous connection, from which the amplitude

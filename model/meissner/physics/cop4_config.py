@@ -72,7 +72,7 @@ class Cop4Config:
         return correction.fit(self.mesh, mesh_loads.touches(self.mesh.m, self.mesh.n, self.touch, seed=1))
 
     @cached_property
-    def _both(self):
+    def _both(self) -> tuple[Cop4Registers, CorrectionRegisters | None]:
         registers = cop4_registers(
             self.mesh, self.adc, self.gain, self.load_lsb_n, self.min_load_n, sample_bits=self.sample_bits
         )

@@ -1,15 +1,21 @@
 """The registers of msn_cop4 and of its load correction from a mesh, amplifiers and a converter."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meissner.physics.adc import Adc
 from meissner.physics.mesh.constants import cop_constants
 from meissner.twins.cop.cop4 import LOAD_BITS, SCALE_BITS, Cop4Registers
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, SUM_TOP, CorrectionRegisters
 
+if TYPE_CHECKING:
+    from meissner.physics.mesh.correction import Correction
+    from meissner.physics.mesh.mesh import Mesh
 
-def scaled(value, lowest, what):
+
+def scaled(value: float, lowest: int, what: str) -> tuple[int, int]:
     """``value`` as k / 2**(lowest + shift): (k, shift), k of 17 bits, the largest shift in 0 .. 15."""
     for shift in range(SHIFT_TOP, -1, -1):
         k = round(value * 2.0 ** (lowest + shift))
@@ -20,7 +26,15 @@ def scaled(value, lowest, what):
     raise ValueError(f"{what} is too large for its register")
 
 
-def cop4_registers(mesh, adc, gain=1.0, load_lsb=1e-3, min_load=0.05, imbalance=1e-3, sample_bits=17):
+def cop4_registers(
+    mesh: "Mesh",
+    adc: Adc,
+    gain: float = 1.0,
+    load_lsb: float = 1e-3,
+    min_load: float = 0.05,
+    imbalance: float = 1e-3,
+    sample_bits: int = 17,
+) -> Cop4Registers:
     """``Cop4Registers`` for a mesh (m, n, r, R0, V0, k) read by ``adc`` through amplifiers of ``gain``.
 
     ``mesh``: a Mesh or an object with those six; ``adc``: meissner.physics.adc.Adc, symmetric about 0 V since
@@ -60,7 +74,9 @@ def cop4_registers(mesh, adc, gain=1.0, load_lsb=1e-3, min_load=0.05, imbalance=
     return found
 
 
-def correct_registers(fix, registers):
+def correct_registers(
+    fix: "Correction", registers: Cop4Registers
+) -> tuple[Cop4Registers, CorrectionRegisters]:
     """(``registers``, a Cop4Registers, and ``fix``, a correction.Correction, as registers) at a common shift.
 
     The two denominators D and N p share the load's shift, so the shift is lowered, and kf with it, until

@@ -17,7 +17,9 @@ Electrically (eq. 16, 17), for an amplifier of large gain:
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from meissner.arrays import Floats, Values
 from meissner.physics import capacitive
 
 # Published: the lowest and the highest tab that the maker used, "depending on the desired force range".
@@ -33,39 +35,30 @@ ORIGINS = {
 }
 
 
-def strain_confined(stress, poisson, modulus):
+def strain_confined(stress: Values, poisson: float, modulus: float) -> Values:
     """Strain along the force of rubber that cannot move sideways (eq. 3 to 6)."""
     return stress / modulus * (1 + poisson) * (1 - 2 * poisson) / (1 - poisson)
 
 
-def strain_free(stress, modulus):
-    """Strain along the force of rubber that is free to move sideways (eq. 7)."""
-    return stress / modulus
-
-
-def lateral_stress(stress, poisson):
-    """s_y = s_z of rubber that cannot move sideways (eq. 4, 5): the stress itself at v = 1/2."""
-    return stress * poisson / (1 - poisson)
-
-
-def leaking_v(drive_v, hertz, cell_ohm, cell_f=capacitive.CELL_F, ref_f=capacitive.REF_F):
+def leaking_v(
+    drive_v: float,
+    hertz: Values,
+    cell_ohm: ArrayLike,
+    cell_f: float = capacitive.CELL_F,
+    ref_f: float = capacitive.REF_F,
+) -> Values:
     """Eq. 17; eq. 16, drive·Ccell/Cref, without leakage (``cell_ohm`` infinite)."""
     return drive_v * np.hypot(cell_f, 1 / (2 * np.pi * hertz * np.asarray(cell_ohm, float))) / ref_f
 
 
-def rest_f(tab_mm):
-    """Capacitance of an unpressed cell (backing and tab) in farads, no fringe field."""
-    return capacitive.plate_f(
-        capacitive.BACKING_MM + np.asarray(tab_mm, float), permittivity=capacitive.PERMITTIVITY
-    )
-
-
-def rise(force_g, tab_mm=capacitive.TAB_MM):
+def rise(force_g: ArrayLike, tab_mm: Values = capacitive.TAB_MM) -> Values:
     """Rise of capacitance under a press, as a share of that at rest, with tabs."""
     return capacitive.capacitance_ratio(np.asarray(force_g) * capacitive.GRAM_N, tab_mm=tab_mm) - 1
 
 
-def rise_without_tabs(force_g, poisson, thickness_mm=capacitive.BACKING_MM + capacitive.TAB_MM):
+def rise_without_tabs(
+    force_g: ArrayLike, poisson: float, thickness_mm: float = capacitive.BACKING_MM + capacitive.TAB_MM
+) -> Values:
     """The same for an evenly pressed flat sheet, with each cell's force on the area of a tab.
 
     Strain does not depend on the thickness, so neither does the rise.
@@ -77,7 +70,7 @@ def rise_without_tabs(force_g, poisson, thickness_mm=capacitive.BACKING_MM + cap
     return thickness_mm / (thickness_mm * (1 - strain)) - 1
 
 
-def force_for(share, tab_mm):
+def force_for(share: Values, tab_mm: ArrayLike) -> Floats:
     """Grams on one tab that raise the capacitance by ``share``: the tab's law inverted.
 
     (b + h)/(b + h·u) = 1 + share gives u; F = A·E'/3·(1/u^2 - u). Infinite if the backing alone is too thick.

@@ -13,6 +13,9 @@ Not modelled: harmonics of the mains, flicker that grows with the current, minor
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from meissner.arrays import Floats
 
 HUM_HZ = 50.0
 HYSTERESIS_WIDTH = 1.0  # of ln F, from one branch to the other
@@ -35,12 +38,12 @@ ORIGINS = {
 }
 
 
-def hum(time_s, amplitude_v, rng):
+def hum(time_s: ArrayLike, amplitude_v: float, rng: np.random.Generator) -> Floats:
     """Volts to add to Vc."""
     return amplitude_v * np.sin(2 * np.pi * HUM_HZ * np.asarray(time_s) + rng.uniform(0, 2 * np.pi))
 
 
-def flicker(samples, rate_hz, share, rng):
+def flicker(samples: int, rate_hz: float, share: float, rng: np.random.Generator) -> Floats:
     """Share of G to add [samples]: spectrum share²/(ln 10·f), from one period per run to Nyquist."""
     hertz = np.fft.rfftfreq(samples, 1.0 / rate_hz)
     density = np.zeros(len(hertz))
@@ -50,7 +53,7 @@ def flicker(samples, rate_hz, share, rng):
     return np.fft.irfft(spectrum, samples)
 
 
-def play(x, width):
+def play(x: ArrayLike, width: float) -> Floats:
     """y[t] = max(x[t], min(x[t] + width, y[t-1])), y[-1] = x[0].
 
     Each step clamps y to [x, x + width]. Two clamps in sequence are again a clamp, so log2 of the length
@@ -67,13 +70,13 @@ def play(x, width):
     return low
 
 
-def hysteresis(force_n, share):
+def hysteresis(force_n: Floats, share: float) -> Floats:
     """The force that the divider curve shows for ``force_n`` [samples]."""
     logarithm = np.log(np.maximum(force_n, FORCE_FLOOR_N))
     return force_n * np.exp(share * (play(logarithm, HYSTERESIS_WIDTH) - logarithm))
 
 
-def bursts(first_s, mean, until_s, rng):
+def bursts(first_s: Floats, mean: float, until_s: float, rng: np.random.Generator) -> Floats:
     """Instants, ascending, before ``until_s``, of patches in bursts of ``mean`` beginning at ``first_s``."""
     sizes = rng.geometric(1.0 / mean, len(first_s))
     begins = np.cumsum(sizes) - sizes

@@ -6,26 +6,25 @@ by degrees, counter-clockwise), discs and rings. They touch flat, with an even p
 
 import numpy as np
 
+from meissner.arrays import Bools, Floats
+
+Piece = tuple[str, float, float, list[float]]  # "bar" or "ring", place, sizes
 STEP_MM = 0.2  # of the points that sample the area
 
 
-def bar(x_mm, y_mm, wide_mm, high_mm, degrees=0.0):
-    return ("bar", x_mm, y_mm, wide_mm, high_mm, degrees)
+def bar(x_mm: float, y_mm: float, wide_mm: float, high_mm: float, degrees: float = 0.0) -> Piece:
+    return "bar", x_mm, y_mm, [wide_mm, high_mm, degrees]
 
 
-def ring(x_mm, y_mm, outer_mm, inner_mm=0.0):
+def ring(x_mm: float, y_mm: float, outer_mm: float, inner_mm: float = 0.0) -> Piece:
     """``outer_mm``, ``inner_mm``: diameters."""
-    return ("ring", x_mm, y_mm, outer_mm, inner_mm)
+    return "ring", x_mm, y_mm, [outer_mm, inner_mm]
 
 
-def _rows_of_pins(degrees, count=4, pitch_mm=2.54, apart_mm=7.62):
-    """A socket with two rows of contacts, each a plastic bar with its pins."""
-    angle = np.radians(degrees)
-    return [
-        bar(-side * apart_mm / 2 * np.sin(angle), side * apart_mm / 2 * np.cos(angle), *size, degrees)
-        for side in (-1, 1)
-        for size in [(count * pitch_mm, 2.0)]
-    ]
+def _rows_of_pins(degrees: float) -> list[Piece]:
+    """A socket with two rows of four contacts, 7.62 mm apart, each a plastic bar with its pins."""
+    x, y = -np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+    return [bar(away * x, away * y, 4 * 2.54, 2.0, degrees) for away in (-3.81, 3.81)]
 
 
 # The gap of the part with two edges (3 mm) and the six pins of the connector are published; the rest is
@@ -61,9 +60,9 @@ ORIGINS = {
 }
 
 
-def _within(piece, x_mm, y_mm):
+def _within(piece: Piece, x_mm: Floats, y_mm: Floats) -> Bools:
     """Whether each point lies in the piece."""
-    kind, x0, y0, *sizes = piece
+    kind, x0, y0, sizes = piece
     x, y = x_mm - x0, y_mm - y0
     if kind == "ring":
         outer, inner = sizes
@@ -73,7 +72,7 @@ def _within(piece, x_mm, y_mm):
     return (np.abs(x * cos + y * sin) <= wide / 2) & (np.abs(y * cos - x * sin) <= high / 2)
 
 
-def points(shape, reach_mm=12.0):
+def points(shape: str, reach_mm: float = 12.0) -> tuple[Floats, Floats, Floats]:
     """(x_mm, y_mm, area_mm2): points that sample the area touched by the object."""
     steps = np.arange(-reach_mm + STEP_MM / 2, reach_mm, STEP_MM)
     x_mm, y_mm = (axis.ravel() for axis in np.meshgrid(steps, steps))
@@ -81,10 +80,10 @@ def points(shape, reach_mm=12.0):
     return x_mm[touched], y_mm[touched], np.full(touched.sum(), STEP_MM**2)
 
 
-def outlines(shape):
+def outlines(shape: str) -> list[Floats]:
     """Closed lines [points, 2] in millimetres around each piece."""
     lines = []
-    for kind, x0, y0, *sizes in SHAPES[shape]:
+    for kind, x0, y0, sizes in SHAPES[shape]:
         if kind == "ring":
             angle = np.linspace(0, 2 * np.pi, 61)
             circle = np.stack([np.cos(angle), np.sin(angle)], axis=1) / 2

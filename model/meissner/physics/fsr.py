@@ -16,9 +16,13 @@ Not modelled: settling, hysteresis and spread of p from cell to cell, temperatur
 sheet from one cell to the next (Velostat between crossed traces has some).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from meissner.arrays import Floats, Ints, Values
 
 CIRCUITS = ("zero potential", "divider")
 UNSELECTED = ("grounded", "floating")
@@ -126,7 +130,7 @@ class Readout:
     hold_ohm: float = HOLD_OHM
 
     @property
-    def column_siemens(self):
+    def column_siemens(self) -> float:
         return 1 / (self.hold_ohm if self.circuit == "zero potential" else self.load_ohm)
 
 
@@ -139,18 +143,18 @@ class Fault:
     column: int
 
 
-def conductance(force_n, material, strength=1.0):
+def conductance(force_n: ArrayLike, material: Material, strength: Values = 1.0) -> Floats:
     """Siemens of cells under forces in newtons; ``strength``: each cell's factor on the nominal value."""
     pressed = np.maximum(np.asarray(force_n, float) - material.break_n, 0.0)
     return strength * pressed**material.power / material.ohm_1n + 1 / material.rest_ohm
 
 
-def strengths(rows, columns, material, rng):
+def strengths(rows: int, columns: int, material: Material, rng: np.random.Generator) -> Floats:
     """Each cell's factor on the nominal conductance [rows, columns]."""
     return np.maximum(1 + material.spread * rng.standard_normal((rows, columns)), 0.1)
 
 
-def drift(force_n, material, rate_hz):
+def drift(force_n: ArrayLike, material: Material, rate_hz: float) -> Floats:
     """1 + each cell's relative gain of conductance under load; ``force_n`` [frames, ...]."""
     gain, loaded_s = np.ones(np.shape(force_n)), np.zeros(np.shape(force_n)[1:])
     for k, force in enumerate(np.asarray(force_n)):
@@ -159,7 +163,9 @@ def drift(force_n, material, rate_hz):
     return gain
 
 
-def break_cells(siemens, faults, rate_hz, rng):
+def break_cells(
+    siemens: ArrayLike, faults: Sequence[Fault], rate_hz: float, rng: np.random.Generator
+) -> Floats:
     """The conductances [frames, rows, columns] with dead, saturated and blinking cells."""
     siemens = np.array(siemens)
     for fault in faults:
@@ -174,11 +180,15 @@ def break_cells(siemens, faults, rate_hz, rng):
     return siemens
 
 
-def column_volts(siemens, readout, faults=()):
-    """Voltage of every column while each row is driven [..., rows, columns], by nodal analysis.
+def column_volts(siemens: ArrayLike, readout: Readout, faults: Sequence[Fault] = ()) -> Floats:
+    """Volts of every column while each row is driven [..., rows, columns], by nodal analysis.
 
-    ``siemens`` [..., rows, columns]. The lines of a "dead row" or an "open column" are disconnected at their
-    end; an open column reads 0.
+    Parameters
+    ----------
+    siemens : [..., rows, columns]
+        Of the cells.
+    faults : sequence of Fault
+        The lines of a "dead row" or an "open column" are disconnected at their end; an open column reads 0.
     """
     siemens = np.asarray(siemens, float)
     rows, columns = siemens.shape[-2:]
@@ -202,7 +212,7 @@ def column_volts(siemens, readout, faults=()):
     return np.where(held > 0, volts, 0.0)
 
 
-def _solve(siemens, tied, held, drives):
+def _solve(siemens: Floats, tied: Floats, held: Floats, drives: Floats) -> Floats:
     """Column voltages [..., drives, columns] for currents ``drives`` [drives, rows] into the rows.
 
     The rows are eliminated: (diag(held + sum_i G) - G' D^-1 G) v = G' D^-1 i with D = diag(tied + sum_j G).
@@ -217,7 +227,7 @@ def _solve(siemens, tied, held, drives):
     return np.swapaxes(np.linalg.solve(matrix, np.swapaxes(drives @ onto, -1, -2)), -1, -2)
 
 
-def output_volts(siemens, readout, faults=()):
+def output_volts(siemens: ArrayLike, readout: Readout, faults: Sequence[Fault] = ()) -> Floats:
     """Voltage at the converter for every cell [..., rows, columns]."""
     volts = column_volts(siemens, readout, faults)
     if readout.circuit == "divider":
@@ -225,7 +235,7 @@ def output_volts(siemens, readout, faults=()):
     return volts * readout.column_siemens * readout.load_ohm
 
 
-def stick(codes, faults, top):
+def stick(codes: Ints, faults: Sequence[Fault], top: int) -> Ints:
     """The codes [frames, rows, columns] with the stuck cells."""
     for fault in faults:
         if fault.kind == "stuck":

@@ -21,10 +21,13 @@ that the two sensors share unequally, stick-slip and micro events in the load (a
 ripple of the grip, hysteresis and creep, inertia, bending of the sensor around a cylinder.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.random import Generator
 
+from meissner.arrays import Floats
 from meissner.physics import mesh_loads, plate, rubber
 
 GRIP_RISE = 0.1  # published: 0.2 N of 2 N just before the slip; the third power is chosen
@@ -59,16 +62,16 @@ class Held:
     ``onset_s``: the wire begins to pull; ``gross_s``: the object begins to move; both None without a pull.
     """
 
-    grip_n: np.ndarray
-    felt_n: np.ndarray
-    tension_n: np.ndarray
-    slip_mm: np.ndarray
-    move_mm: np.ndarray
+    grip_n: Floats
+    felt_n: Floats
+    tension_n: Floats
+    slip_mm: Floats
+    move_mm: Floats
     onset_s: float | None
     gross_s: float | None
 
 
-def ramps(time_s, levels):
+def ramps(time_s: Floats, levels: Sequence[tuple[float, float, float]]) -> Floats:
     """Newtons [samples] from 0 through ``levels``, (start_s, length_s, to_n) each, by raised cosines."""
     force_n, last_n = np.zeros(len(time_s)), 0.0
     for start_s, length_s, to_n in levels:
@@ -80,7 +83,7 @@ def ramps(time_s, levels):
     return force_n
 
 
-def share(force_n, level):
+def share(force_n: Floats, level: Floats) -> Floats:
     """G(N, u)/G(N, 0): the part of the conductance that remains at shear level u; 1 where nothing presses."""
     rest_v = rubber.rest_volts(force_n)
     volts = rubber.volts(force_n, level)
@@ -89,12 +92,21 @@ def share(force_n, level):
     return np.divide(left, rubber.SUPPLY_V - rest_v, out=np.ones(len(rest_v)), where=pressed)
 
 
-def mirrored(direction_deg):
+def mirrored(direction_deg: float) -> float:
     """The direction of a pull for the sensor on the object's other side: left and right swapped."""
     return 180.0 - direction_deg
 
 
-def pulled(time_s, grip_n, start_s, speed_mm_s, material, wire_n_mm, rng, cover_mm=0.0):
+def pulled(
+    time_s: Floats,
+    grip_n: Floats,
+    start_s: float,
+    speed_mm_s: float,
+    material: str,
+    wire_n_mm: float,
+    rng: Generator,
+    cover_mm: float = 0.0,
+) -> Held:
     """Pull an object held with the force ``grip_n`` [samples], steady from ``start_s`` on; returns ``Held``.
 
     ``cover_mm``: thickness of a layer of silicone on the sensor.
@@ -111,13 +123,15 @@ def pulled(time_s, grip_n, start_s, speed_mm_s, material, wire_n_mm, rng, cover_
     return Held(grip_n, felt_n, pull.tension_n, pull.slip_mm, move_mm, start_s, float(pull.gross_s))
 
 
-def gripped(grip_n):
+def gripped(grip_n: Floats) -> Held:
     """``Held`` of a grip without a pull."""
     nothing = np.zeros(len(grip_n))
     return Held(grip_n, grip_n, nothing, nothing, nothing, None, None)
 
 
-def loads(held, m, n, pitch_mm, cover_pitches, direction_deg, rng):
+def loads(
+    held: Held, m: int, n: int, pitch_mm: float, cover_pitches: float, direction_deg: float, rng: Generator
+) -> tuple[Floats, Floats]:
     """The forces on the taxels and the forces that they show (N), [samples, m, n] each.
 
     Each run draws one place of the contact in the middle third and one direction of its tilt.
@@ -130,5 +144,6 @@ def loads(held, m, n, pitch_mm, cover_pitches, direction_deg, rng):
         half_mm = pitch_mm * max(count - 1, 1) / 2
         moved = held.move_mm / half_mm * turn(along) + TILT * held.grip_n * turn(tilt)
         at.append(np.clip(place[axis] + moved, -1, 1))
-    unit = mesh_loads.press(m, n, *at, 1.0, cover_pitches)
+    x, y = at
+    unit = mesh_loads.press(m, n, x, y, 1.0, cover_pitches)
     return unit * held.grip_n[:, None, None], unit * held.felt_n[:, None, None]

@@ -21,12 +21,15 @@ friction of the hand's drive, dependence of friction on speed, and everything th
 leave out.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from meissner.arrays import Bools, Floats
 from meissner.physics import plate, rubber, slide, stepped
-from meissner.physics.stepped import Fluctuation, Level, Ring, Ripple
+from meissner.physics.stepped import Events, Fluctuation, Level, Ring, Ripple
 
 GRIP_N_MM = 1.0
 SERVO_S = 0.002
@@ -58,44 +61,60 @@ ORIGINS = {
 
 @dataclass(frozen=True)
 class Grasp:
-    """The object of one run and its disturbances. ``mass_kg``: one value every MASS_S; ``tugs``:
-    (start_s, length_s, newtons). ``mu_s``, ``mu_k``: of both fingers; ``halves_s``: when friction halves, or
-    None.
+    """The object of one run and its disturbances.
+
+    Attributes
+    ----------
+    mass_kg : [times]
+        One value every MASS_S.
+    mu_s, mu_k : tuple
+        Friction of both fingers; ``halves_s``: when it halves, or None.
+    closing_mm : float
+        Of the fingers at the start.
+    tugs : tuple
+        (start_s, length_s, newtons) each.
     """
 
-    mass_kg: np.ndarray
-    mu_s: tuple
-    mu_k: tuple
+    mass_kg: Floats
+    mu_s: tuple[float, float]
+    mu_k: tuple[float, float]
     closing_mm: float
     first_event: float = rubber.ONSET_RATIO
     heal_s: float = stepped.HEAL_S
     fluctuation: float = 1.0
-    tugs: tuple = ()
+    tugs: tuple[tuple[float, float, float], ...] = ()
     halves_s: float | None = None
     rng: np.random.Generator = field(default_factory=np.random.default_rng)
 
 
 @dataclass(frozen=True)
 class Block:
-    """A block of samples: [runs, samples], ``volts`` and ``tension_n`` [runs, 2, samples].
+    """A block of samples, [runs, samples] unless stated otherwise.
 
-    ``ring_mm`` [runs]: at the block's end; ``events``: (contact, sample, share), contact = 2 run + finger.
+    Attributes
+    ----------
+    volts, tension_n : [runs, 2, samples]
+    normal_n, load_n, sag_mm, slip_mm : [runs, samples]
+    ring_mm : [runs]
+        At the block's end.
+    events : tuple
+        Contacts (2 run + finger), samples and shares.
     """
 
-    volts: np.ndarray
-    normal_n: np.ndarray
-    tension_n: np.ndarray
-    load_n: np.ndarray
-    sag_mm: np.ndarray
-    slip_mm: np.ndarray
-    ring_mm: np.ndarray
-    events: tuple
+    volts: Floats
+    normal_n: Floats
+    tension_n: Floats
+    load_n: Floats
+    sag_mm: Floats
+    slip_mm: Floats
+    ring_mm: Floats
+    events: Events
 
 
 class Hand:
     """``grasps``: one per run, all advanced together, ``block`` samples at a time."""
 
-    def __init__(self, grasps, rate_hz, block):
+    def __init__(self, grasps: Sequence[Grasp], rate_hz: float, block: int) -> None:
         self.grasps, self.rate_hz, self.block = grasps, rate_hz, block
         runs = len(grasps)
         self.mu_s = np.array([grasp.mu_s for grasp in grasps])
@@ -120,11 +139,11 @@ class Hand:
         self.ring.start(np.repeat(GRIP_N_MM * self.place, 2), self.tension)
 
     @staticmethod
-    def _patches(grasp):
+    def _patches(grasp: Grasp) -> tuple[Floats, Floats]:
         places = rubber.event_ratios(grasp.rng, grasp.first_event)
         return places, rubber.event_shares(len(places), grasp.fluctuation, grasp.rng)
 
-    def _force(self, goal_mm):
+    def _force(self, goal_mm: Floats) -> Floats:
         """N [runs, samples] while the servo moves to ``goal_mm``, with the ripple of its speed."""
         since_s = np.arange(1, self.block + 1) / self.rate_hz
         away = (self.place - goal_mm)[:, None]
@@ -137,7 +156,7 @@ class Hand:
         ripple_n = plate.RIPPLE_N * full * self.ripple.next(self.block)
         return np.maximum(GRIP_N_MM * place + ripple_n, 1e-6)
 
-    def _load(self):
+    def _load(self) -> tuple[Floats, Floats]:
         """The load on the object, [runs, samples] in newtons, and its mass at the block's end [runs]."""
         time_s = (self.sample + np.arange(1, self.block + 1)) / self.rate_hz
         piece = time_s / MASS_S
@@ -155,12 +174,12 @@ class Hand:
                 self._halve(run)
         return load_n, mass_kg[:, -1]
 
-    def _halve(self, run):
+    def _halve(self, run: int) -> None:
         self.mu_s[run] /= 2
         self.mu_k[run] /= 2
         self.ring.friction[2 * run : 2 * run + 2] = self.mu_s[run]
 
-    def next(self, goal_mm):
+    def next(self, goal_mm: ArrayLike) -> Block:
         """The next ``Block``, with the servo's goal ``goal_mm`` [runs]."""
         force_n = self._force(np.asarray(goal_mm, dtype=float))
         load_n, mass_kg = self._load()
@@ -188,7 +207,8 @@ class Hand:
             self._renew(loose)
         if more:
             extra = (np.array(column) for column in zip(*more))
-            events = tuple(np.concatenate(pair) for pair in zip(events, extra))
+            contact, sample, share = (np.concatenate(pair) for pair in zip(events, extra))
+            events = contact, sample, share
         volts = self._volts(force_n, flat, events)
         self.sample += self.block
         reach = self.ring.reach(pressed[:, -1]).reshape(-1, 2)
@@ -196,14 +216,14 @@ class Hand:
         sag_mm = load_n / (2 * rubber.STIFFNESS_N_MM)
         return Block(volts, force_n, tension, load_n, sag_mm, slid_mm, ring_mm, events)
 
-    def _renew(self, loose):
+    def _renew(self, loose: Bools) -> None:
         """New patches for the contacts that have slid since the last block."""
-        for run in np.flatnonzero(loose):
+        for run in np.flatnonzero(loose).tolist():
             for finger in range(2):
                 if self.contacts[run].slid[finger]:
                     self.ring.renew(2 * run + finger, *self._patches(self.grasps[run]), slid=True)
 
-    def _volts(self, force_n, tension, events):
+    def _volts(self, force_n: Floats, tension: Floats, events: Events) -> Floats:
         """Vc [runs, 2, samples]."""
         speed = (tension[:, -1] - self.tension) / rubber.STIFFNESS_N_MM * self.rate_hz / self.block
         slides = np.array([one.sliding for one in self.contacts]).ravel()

@@ -1,8 +1,12 @@
 """The published mesh experiments as load arrays, and the cover that spreads a point over taxels."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from meissner.arrays import Floats, V, Values
 
 if TYPE_CHECKING:
     from meissner.physics.mesh import Mesh
@@ -66,27 +70,27 @@ class MeshScene(NamedTuple):
     """A mesh and loads [scenes, m, n] in newtons."""
 
     mesh: "Mesh"
-    load: np.ndarray
+    load: Floats
 
-    def truth(self):
+    def truth(self) -> tuple[Floats, Floats, Floats]:
         """Total (N), x, y of each scene's loads, [scenes] each (eq. 4, 5, 27, 28)."""
         return true_centre(self.load)
 
 
-def _published(m, n, r, load):
+def _published(m: int, n: int, r: float, load: Floats) -> MeshScene:
     from meissner.physics.mesh import Mesh  # here: arrays of taxels use this module without a mesh
 
     return MeshScene(Mesh(m, n, r, 10e3, 15.0, K_PAPER), load)
 
 
-def places(count, first=-1.0):
+def places(count: int, first: float = -1.0) -> Floats:
     """Coordinates of ``count`` taxels, -1 to 1 (eq. 4; ``first`` = 1 for rows, eq. 5); 0 for one."""
     if count == 1:
         return np.zeros(1)
     return first - np.sign(first) * 2 * np.arange(count) / (count - 1)
 
 
-def true_centre(load):
+def true_centre(load: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Total (N), x and y of loads [..., m, n]; x = y = 0 where nothing presses."""
     load = np.asarray(load, float)
     total = load.sum((-2, -1))
@@ -96,14 +100,14 @@ def true_centre(load):
     return total, x, y
 
 
-def cop_one_point(r=10.0, force=5.0):
+def cop_one_point(r: float = 10.0) -> MeshScene:
     """41×41, one load in the middle, for the voltage surface (mesh paper, figures 5 and 7)."""
     load = np.zeros((1, 41, 41))
-    load[0, 20, 20] = force
+    load[0, 20, 20] = 5.0
     return _published(41, 41, r, load)
 
 
-def cop_two_point():
+def cop_two_point() -> MeshScene:
     """5×5, r = 47 ohms: F1 at (-1, -1), F2 at (1, 1), 10 N in total, F2 from 0 to 10 N (figure 10)."""
     load = np.zeros((11, 5, 5))
     load[:, 4, 0] = 10 - np.arange(11)
@@ -111,14 +115,16 @@ def cop_two_point():
     return _published(5, 5, 47.0, load)
 
 
-def cop_load():
+def cop_load() -> MeshScene:
     """5×5, r = 47 ohms: equal loads at (0, 0) and (0.5, 0.5), 0 to 10 N each in steps of 0.5 N (fig. 11)."""
     load = np.zeros((21, 5, 5))
     load[:, 2, 2] = load[:, 1, 3] = np.arange(21) / 2
     return _published(5, 5, 47.0, load)
 
 
-def random_points(m, n, count, totals, seed, split="equal"):
+def random_points(
+    m: int, n: int, count: int, totals: Sequence[float] | Floats, seed: int, split: str = "equal"
+) -> Floats:
     """Loads [len(totals), m, n]: ``count`` distinct random taxels share each total (N).
 
     ``split``: "equal" shares, as the published averages suggest, or "random" ones (uniform, normalised).
@@ -135,13 +141,15 @@ def random_points(m, n, count, totals, seed, split="equal"):
     return load.reshape(-1, m, n)
 
 
-def cop_six_random(r, total, draws=100, seed=1, split="equal"):
+def cop_six_random(
+    r: float, total: float, draws: int = 100, seed: int = 1, split: str = "equal"
+) -> MeshScene:
     """41×41, six random points that share ``total`` newtons, ``draws`` times (figures 8 and 9)."""
     load = random_points(41, 41, 6, np.full(draws, float(total)), seed, split)
     return _published(41, 41, r, load)
 
 
-def cover_kernel(row, column, depth):
+def cover_kernel(row: V, column: V, depth: V) -> V:
     """Weight at offsets (row, column) of a point force on the cover, ``depth`` pitches above the taxels.
 
     g = depth^3 / (depth^2 + d^2)^(5/2): Boussinesq's normal stress under a point force on an elastic half
@@ -150,7 +158,7 @@ def cover_kernel(row, column, depth):
     return (1 + (np.square(row) + np.square(column)) / depth**2) ** -2.5
 
 
-def press(m, n, x, y, force, depth):
+def press(m: int, n: int, x: ArrayLike, y: ArrayLike, force: ArrayLike, depth: ArrayLike) -> Floats:
     """Loads [scenes, m, n] of forces (N) at (x, y) in -1..1 on a flat cover ``depth`` pitches thick.
 
     Eq. 27 for point forces; the complete force reaches the taxels (the part beyond an edge is shared
@@ -168,12 +176,12 @@ def press(m, n, x, y, force, depth):
     return share * (force / share.sum((1, 2)))[:, None, None]
 
 
-def _trim(load):
+def _trim(load: Floats) -> Floats:
     """Set taxels below 2 % of the strongest to 0: they only cost time."""
     return np.where(load < TRIM * load.max((1, 2), keepdims=True), 0, load)
 
 
-def touches(m, n, kind, seed, total=None):
+def touches(m: int, n: int, kind: str, seed: int, total: float | None = None) -> Floats:
     """Loads of one kind of touch: totals of 1-25 N to fit a correction, or ``total`` newtons to check it.
 
     ``kind``: one point; one press through a cover 2 pitches thick, or two; six points, equal or uneven.
@@ -196,7 +204,7 @@ def touches(m, n, kind, seed, total=None):
     return random_points(m, n, min(6, m * n), totals, seed, split)
 
 
-def hemisphere_depth(x, y, radius, base):
+def hemisphere_depth(x: Values, y: Values, radius: float, base: float) -> Values:
     """Height (pitches) of a hemispherical cover of ``radius`` (in -1..1 units) over the taxels at (x, y).
 
     ``base``: height at the middle; towards the edge it falls with the sphere, to a quarter pitch at least.
@@ -205,7 +213,7 @@ def hemisphere_depth(x, y, radius, base):
     return np.maximum(base * np.sqrt(np.maximum(fall, 0)), LEAST_DEPTH)
 
 
-def stroke(m, n, force, circle, steps, cover_radius):
+def stroke(m: int, n: int, force: float, circle: float, steps: int, cover_radius: float) -> Floats:
     """Loads [steps, m, n] of a fingertip (N) that draws a ``circle`` once on a hemispherical cover.
 
     Eq. 27 with the force at a point; the circle starts on the right and goes counter-clockwise. The cover's
@@ -216,10 +224,9 @@ def stroke(m, n, force, circle, steps, cover_radius):
     return press(m, n, x, y, force, hemisphere_depth(x, y, cover_radius, cover_radius * (max(m, n) - 1) / 2))
 
 
-def cop_stroke(m=3, n=3, r=47.0, force=5.0, circle=0.5, steps=72, cover=COVER_RADIUS):
+def cop_stroke(steps: int = 72, cover: float = COVER_RADIUS) -> MeshScene:
     """A fingertip draws a circle on a hemispherical cover over 3×3 taxels (mesh paper, figures 14, 15).
 
     The hemisphere just covers the taxels, which are as wide as their pitch: 1.5 pitches.
     """
-    load = stroke(m, n, force, circle, steps, cover)
-    return _published(m, n, r, load)
+    return _published(3, 3, 47.0, stroke(3, 3, 5.0, 0.5, steps, cover))

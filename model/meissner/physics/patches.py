@@ -10,12 +10,16 @@ a footstep (landing and push-off), sin(pi p) + sin(3 pi p)/3 scaled to a peak of
 Not modelled: friction, the cover's creep and hysteresis, crosstalk of the readout.
 """
 
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
+from meissner.arrays import Floats
 from meissner.physics import mesh_loads
 
 _STEP_PEAK = 2 * np.sqrt(2) / 3
-PROFILES = {
+PROFILES: dict[str, Callable[[Floats], Floats]] = {
     "steady": np.ones_like,
     "press": lambda phase: np.sin(np.pi * phase),
     "step": lambda phase: (np.sin(np.pi * phase) + np.sin(3 * np.pi * phase) / 3) / _STEP_PEAK,
@@ -29,7 +33,7 @@ ORIGINS = {
 }
 
 
-def place(patch, phase):
+def place(patch: Mapping[str, Any], phase: Floats) -> tuple[Floats, Floats]:
     """x and y of a patch at ``phase`` (0 to 1 during the run)."""
     if patch["path"] == "line":
         (x0, y0), (x1, y1) = patch["from"], patch["to"]
@@ -38,10 +42,13 @@ def place(patch, phase):
         angle = 2 * np.pi * patch["turns"] * phase
         x, y = patch["centre"]
         return x + patch["radius"] * np.cos(angle), y + patch["radius"] * np.sin(angle)
-    return tuple(np.full(np.shape(phase), value) for value in patch["at"])
+    x, y = patch["at"]
+    return np.full(np.shape(phase), x), np.full(np.shape(phase), y)
 
 
-def forces(rows, columns, patches, phase, depth):
+def forces(
+    rows: int, columns: int, patches: Sequence[Mapping[str, Any]], phase: Floats, depth: float
+) -> Floats:
     """Newtons on the taxels [frames, rows, columns] under all patches; ``depth``: of the cover, pitches."""
     total = np.zeros((len(phase), rows, columns))
     for patch in patches:

@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 DATASET, SUBJECTS, TRIALS = "SpeedPP2DS", 10, 60
 ORIGINS = {
@@ -17,10 +18,10 @@ ORIGINS = {
 }
 
 
-def step(subject, trial):
+def step(subject: int, trial: int) -> NDArray[np.uint16]:
     """One step, uint16 [frames, 63, 33], from the frame before the first load to the frame after the last."""
     found = find_spec("jikudata")
-    if found is None or find_spec("h5py") is None:
+    if found is None or not found.submodule_search_locations or find_spec("h5py") is None:
         raise ValueError("the recorded steps need jiku-data and h5py: pip install 'meissner[recordings]'")
     import h5py
 

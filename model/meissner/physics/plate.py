@@ -20,10 +20,13 @@ rotation, the dependence of friction on speed or load, vibration of the pulling 
 coefficients of a measured sample: the table has ordinary values against silicone rubber, chosen.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from meissner.arrays import Bools, Floats
 from meissner.physics import rubber
 
 
@@ -96,33 +99,51 @@ ORIGINS = {
 class Pull:
     """One pull. ``slips_s``: instants of stick-slip after the whole contact lets go at ``gross_s``."""
 
-    tension_n: np.ndarray
-    slip_mm: np.ndarray
-    shear_mm_s: np.ndarray
+    tension_n: Floats
+    slip_mm: Floats
+    shear_mm_s: Floats
     start_s: float
     gross_s: float
-    slips_s: np.ndarray
+    slips_s: Floats
     bent: float = 0.0  # mu·f of a grip that follows
 
-    def time_of(self, ratio):
+    def time_of(self, ratio: ArrayLike) -> Floats:
         """The time at which the tension reaches ``ratio`` of the friction limit at that time."""
         ratio = np.asarray(ratio)
         part = ratio * (1.0 - self.bent) / (1.0 - self.bent * ratio)
         return self.start_s + part * (self.gross_s - self.start_s)
 
 
-def rise_s(normal_n, speed_mm_s, material, follow=0.0, spread=1.0):
+def rise_s(
+    normal_n: float, speed_mm_s: float, material: str, follow: float = 0.0, spread: float = 1.0
+) -> float:
     """Seconds from the start of the stage to the slip, at ``spread`` times the material's friction."""
     mu_s = MATERIALS[material].mu_s * spread
     return mu_s * normal_n / (1.0 - mu_s * follow) / (PULL_STIFFNESS_N_MM * speed_mm_s)
 
 
 def pull(
-    time_s, normal_n, speed_mm_s, material, start_s, rng, stiffness_n_mm=PULL_STIFFNESS_N_MM, follow=0.0
-):
+    time_s: Floats,
+    normal_n: float,
+    speed_mm_s: float,
+    material: str,
+    start_s: float,
+    rng: np.random.Generator,
+    stiffness_n_mm: float = PULL_STIFFNESS_N_MM,
+    follow: float = 0.0,
+) -> Pull:
     """Pull the plate under a normal force, the stage starting at ``start_s``.
 
-    ``stiffness_n_mm``: of string and rubber in series; ``follow``: added newtons of grip per newton of pull.
+    Parameters
+    ----------
+    time_s : [samples]
+        Seconds.
+    material : str
+        Of MATERIALS.
+    stiffness_n_mm : float
+        Of string and rubber in series.
+    follow : float
+        Added newtons of grip per newton of pull.
     """
     kind = MATERIALS[material]
     spread = 1.0 + FRICTION_SPREAD * rng.standard_normal()
@@ -153,7 +174,7 @@ def pull(
     return Pull(tension_n, slip_mm, shear_mm_s, start_s, gross_s, slips_s, mu_s * follow)
 
 
-def _ripple(samples, rate_hz, rng):
+def _ripple(samples: int, rate_hz: float, rng: np.random.Generator) -> Floats:
     """White noise of unit rms, band-limited to below 600 Hz."""
     bins = np.fft.rfftfreq(samples, 1.0 / rate_hz)
     inside = np.count_nonzero(bins < RIPPLE_LIMIT_HZ - 10.0)  # the ramp's envelope widens it by a few Hz
@@ -163,10 +184,15 @@ def _ripple(samples, rate_hz, rng):
     return noise / np.std(noise)
 
 
-def press(time_s, normal_n, ramps, rng):
-    """Load and unload: ``ramps`` is a list of (start_s, length_s), alternately up and down.
+def press(
+    time_s: Floats, normal_n: float, ramps: Sequence[tuple[float, float]], rng: np.random.Generator
+) -> tuple[Floats, Bools]:
+    """The normal force (N) and whether the loading stage moves, [samples] each.
 
-    Returns the normal force and whether the loading stage moves.
+    Parameters
+    ----------
+    ramps : sequence of (start_s, length_s)
+        Alternately up and down.
     """
     rate_hz = 1.0 / (time_s[1] - time_s[0])
     force_n = np.zeros(len(time_s))
@@ -184,7 +210,7 @@ def press(time_s, normal_n, ramps, rng):
     return np.maximum(force_n, 0.0), moving
 
 
-def followed(time_s, normal_n, pull, follow, rng):
+def followed(time_s: Floats, normal_n: float, pull: Pull, follow: float, rng: np.random.Generator) -> Floats:
     """The normal force of a grip that follows the pull; its motor causes ripple until the contact slips."""
     first, last = np.searchsorted(time_s, [pull.start_s, pull.gross_s])
     since_s = np.minimum(time_s[first:last] - pull.start_s, pull.gross_s - time_s[first:last])

@@ -34,10 +34,14 @@ outside these speeds. Hysteresis of the divider, 1/f noise of the carbon paths, 
 options (physics.disturbances).
 """
 
+from collections.abc import Callable
 from functools import cache
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from meissner.arrays import Floats, V
 
 SUPPLY_V = 5.0
 SERIES_OHM = 1000.0
@@ -63,7 +67,7 @@ STIFFNESS_N_MM = 12.0
 SIDE_MM, THICKNESS_MM, DENSITY_KG_M3, QUALITY = 6.0, 1.5, 1200.0, 3.0
 
 
-def ring(thickness_mm, quality):
+def ring(thickness_mm: float, quality: float) -> tuple[float, float]:
     """Hertz and decay in seconds of a layer of that stiffness: a quarter wave, sqrt(k·h/(A·rho))/(4·h)."""
     modulus_pa = STIFFNESS_N_MM * thickness_mm / SIDE_MM**2 * 1e6
     hz = np.sqrt(modulus_pa / DENSITY_KG_M3) / (4e-3 * thickness_mm)
@@ -87,7 +91,7 @@ _LOG_FORCE = np.log(_FORCE)
 
 
 @cache
-def _curve():
+def _curve() -> tuple[Callable[[V], V], Floats]:
     """log G over log F inside the published points, and its slopes at both ends."""
     from scipy.interpolate import PchipInterpolator  # imported here: only rubber needs to wait for SciPy
 
@@ -95,7 +99,7 @@ def _curve():
     return curve, curve(_LOG_FORCE[[0, -1]], 1)
 
 
-def conductance(force_n):
+def conductance(force_n: V) -> V:
     """G(F) in siemens; 0 where nothing presses."""
     with np.errstate(divide="ignore"):
         log_force = np.log(np.maximum(force_n, 0.0))
@@ -106,27 +110,27 @@ def conductance(force_n):
     return np.exp(curve(inside) + slopes[0] * below + slopes[1] * above)
 
 
-def divider_volts(siemens):
+def divider_volts(siemens: V) -> V:
     """Vc for a conductance."""
     return SUPPLY_V / (1.0 + SERIES_OHM * siemens)
 
 
-def rest_volts(force_n):
+def rest_volts(force_n: V) -> V:
     """Vi: Vc under a normal force alone."""
     return divider_volts(conductance(force_n))
 
 
-def shear_gain(rest_v):
+def shear_gain(rest_v: V) -> V:
     """k of the shear step. The published line holds from 2 to 4 V; above, it tapers to 0 at 5 V (chosen)."""
-    return np.minimum(SHEAR_LINE[0] - SHEAR_LINE[1] * np.asarray(rest_v), SHEAR_TAPER * (SUPPLY_V - rest_v))
+    return np.minimum(SHEAR_LINE[0] - SHEAR_LINE[1] * rest_v, SHEAR_TAPER * (SUPPLY_V - rest_v))
 
 
-def shear_step(rest_v, speed_mm_s):
+def shear_step(rest_v: V, speed_mm_s: V) -> V:
     """dV = k·v^n, the full step at a steady shear speed."""
     return shear_gain(rest_v) * np.abs(speed_mm_s) ** SHEAR_EXPONENT
 
 
-def shear_level(time_s, speed_mm_s, recovers=RESTORED):
+def shear_level(time_s: ArrayLike, speed_mm_s: ArrayLike, recovers: float = RESTORED) -> Floats:
     """u(t) = dV/k for a shear speed that changes in steps; one exponential per step.
 
     ``recovers``: the share of u that is reversed when the shear stops.
@@ -145,7 +149,7 @@ def shear_level(time_s, speed_mm_s, recovers=RESTORED):
     return level
 
 
-def slipped(ratio):
+def slipped(ratio: V) -> V:
     """S(q): the distance slipped in the ring at q = tangential force / (mu · normal force)."""
     ratio = np.clip(ratio, 0.0, 1.0)
     return 1.5 * (1.0 - (1.0 - ratio) ** (2.0 / 3.0)) - ratio
@@ -282,7 +286,7 @@ ORIGINS = {
 }
 
 
-def event_ratios(rng, first=ONSET_RATIO, share=1.0):
+def event_ratios(rng: np.random.Generator, first: float = ONSET_RATIO, share: float = 1.0) -> Floats:
     """The values of q, ascending, at which patches let go: a Poisson process with the rate dS.
 
     ``first``: q from which Vc shows them, always as many per slipped distance. ``share``: of all patches.
@@ -294,13 +298,13 @@ def event_ratios(rng, first=ONSET_RATIO, share=1.0):
     return np.interp(np.sort(rng.uniform(start, stop, count)), slipped(grid), grid)
 
 
-def event_shares(count, scale, rng):
+def event_shares(count: int, scale: float, rng: np.random.Generator) -> Floats:
     """Signed shares of the conductance, log-normal in size; either sign, since paths part and rejoin."""
     size = np.exp(EVENT_SPREAD * rng.standard_normal(count))
     return EVENT_SHARE * scale * size * rng.choice((-1.0, 1.0), count)
 
 
-def fluctuation(times_s, shares, samples, rate_hz):
+def fluctuation(times_s: ArrayLike, shares: ArrayLike, samples: int, rate_hz: float) -> Floats:
     """e(t): each event steps by its share and rings down, exp(-t/RING_S)·cos(2·pi·RING_HZ·t).
 
     One complex pole computes all events; the first sample after each has the phase reached by then, so events
@@ -317,13 +321,21 @@ def fluctuation(times_s, shares, samples, rate_hz):
     return lfilter([1.0], [1.0, -np.exp(pole)], comb).real
 
 
-def event_steps(vc, shares):
+def event_steps(vc: V, shares: V) -> V:
     """The step of Vc, in volts, due to each event when Vc is ``vc``: dVc/dG·G = -Vc·(5-Vc)/5."""
     return -vc * (SUPPLY_V - vc) / SUPPLY_V * shares
 
 
-def volts(force_n, level=None, share=None):
-    """Vc under a normal force, with the shear level u(t) and the fluctuation e(t) if given."""
+def volts(force_n: V, level: V | None = None, share: V | None = None) -> V:
+    """Vc in volts.
+
+    Parameters
+    ----------
+    force_n : float or array
+        Normal force, newtons.
+    level, share : like ``force_n``, optional
+        The shear level u(t) and the fluctuation e(t).
+    """
     vc = rest_volts(force_n)
     if level is not None:
         vc = vc + shear_gain(vc) * level

@@ -5,6 +5,7 @@ from math import exp
 
 import numpy as np
 
+from meissner.arrays import Floats
 from meissner.physics import plate, rubber
 
 G_MM_S2 = 9810.0
@@ -13,6 +14,9 @@ ORIGINS = {
     "G_MM_S2": ("computed", "standard gravity", "weights"),
     "MOST_STICKS": ("chosen", "numerical: sticks of one sample that are events of their own", "none"),
 }
+
+
+Event = tuple[int, float, float]  # finger, sample, share
 
 
 @dataclass
@@ -25,10 +29,10 @@ class Contacts:
     rng: np.random.Generator
     fluctuation: float = 1.0
     speed_mm_s: float = 0.0
-    sliding: list = field(default_factory=lambda: [False, False])
-    since_s: list = field(default_factory=lambda: [float("inf")] * 2)
-    left_mm: list = field(default_factory=lambda: [0.0, 0.0])
-    slid: list = field(default_factory=lambda: [False, False])
+    sliding: list[bool] = field(default_factory=lambda: [False, False])
+    since_s: list[float] = field(default_factory=lambda: [float("inf")] * 2)
+    left_mm: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    slid: list[bool] = field(default_factory=lambda: [False, False])
 
 
 @dataclass(frozen=True)
@@ -37,17 +41,27 @@ class Slid:
     (finger, sample, share).
     """
 
-    tension_n: np.ndarray
-    slip_mm: np.ndarray
-    slid_mm: np.ndarray
-    events: list
+    tension_n: Floats
+    slip_mm: Floats
+    slid_mm: Floats
+    events: list[Event]
 
 
-def slide(contacts, force_n, load_n, mass_kg, mu_s, mu_k, slid_mm, rate_hz):
+def slide(
+    contacts: Contacts,
+    force_n: Floats,
+    load_n: Floats,
+    mass_kg: float,
+    mu_s: Floats,
+    mu_k: Floats,
+    slid_mm: Floats,
+    rate_hz: float,
+) -> Slid:
     """Advance ``contacts`` by a block: ``force_n``, ``load_n`` [samples], ``slid_mm`` [2] before it."""
     stiffness, dt = rubber.STIFFNESS_N_MM, 1.0 / rate_hz
     mu_s, mu_k, slid = mu_s.tolist(), mu_k.tolist(), slid_mm.tolist()
-    tensions, slips, events = [], [], []
+    tensions, slips = [], []
+    events: list[Event] = []
     contacts.slid = list(contacts.sliding)
     for sample, (force, load) in enumerate(zip(force_n.tolist(), load_n.tolist())):
         before = list(slid)
@@ -78,13 +92,13 @@ def slide(contacts, force_n, load_n, mass_kg, mu_s, mu_k, slid_mm, rate_hz):
     return Slid(np.array(tensions).T, np.array(slips), np.array(slid), events)
 
 
-def _stick(contacts, fingers):
+def _stick(contacts: Contacts, fingers: tuple[int, ...]) -> None:
     for f in fingers:
         contacts.sliding[f], contacts.since_s[f] = False, 0.0
     contacts.speed_mm_s = 0.0
 
 
-def _let_go(contacts, f, sample, events):
+def _let_go(contacts: Contacts, f: int, sample: int, events: list[Event]) -> None:
     """The last core lets go; the core of a contact that has stuck only briefly is still small."""
     core = 1.0 - exp(-contacts.since_s[f] / plate.FALL_S)
     share = rubber.GROSS_SHARE * rubber.EVENT_SHARE * contacts.fluctuation * core
@@ -92,7 +106,15 @@ def _let_go(contacts, f, sample, events):
     contacts.sliding[f], contacts.slid[f], contacts.since_s[f], contacts.left_mm[f] = True, True, 0.0, -1.0
 
 
-def _held(contacts, friction, load, slid, stiffness, sample, events):
+def _held(
+    contacts: Contacts,
+    friction: list[float],
+    load: float,
+    slid: list[float],
+    stiffness: float,
+    sample: int,
+    events: list[Event],
+) -> tuple[list[float], list[float]]:
     """Tensions and slides if at least one finger sticks or begins to slide now."""
     for _ in range(3):
         if not any(contacts.sliding):
@@ -121,7 +143,9 @@ def _held(contacts, friction, load, slid, stiffness, sample, events):
     return tension, slid
 
 
-def _stick_slip(contacts, f, way_mm, stick_mm, events, sample):
+def _stick_slip(
+    contacts: Contacts, f: int, way_mm: float, stick_mm: float, events: list[Event], sample: int
+) -> None:
     if contacts.left_mm[f] < 0:
         contacts.left_mm[f] = stick_mm * contacts.rng.gamma(2.0, 0.5)
     contacts.left_mm[f] -= way_mm

@@ -16,8 +16,12 @@ keeps its place and size until the whole contact has slid; then a new, fully sli
 All arrays are [contacts] or [contacts, samples]; a contact is one finger of one run.
 """
 
-import numpy as np
+from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from meissner.arrays import Floats, Ints, Values
 from meissner.physics import plate, rubber
 
 HEAL_S = 0.1
@@ -32,13 +36,18 @@ ORIGINS = {
 }
 
 
+Events = tuple[Ints, Floats, Floats]  # contacts, samples, shares
+
+
 class Ring:
     """The ring of partial slip of each contact. ``places``: lists of q, ascending, one list per contact.
 
     ``shares``: of the conductance, in the same lists. ``heal_s``: of the memory; inf: it never fades.
     """
 
-    def __init__(self, places, shares, friction, heal_s=HEAL_S):
+    def __init__(
+        self, places: Sequence[Floats], shares: Sequence[Floats], friction: ArrayLike, heal_s: Values = HEAL_S
+    ) -> None:
         self.friction, self.heal_s = np.asarray(friction, dtype=float), heal_s
         contacts, most = len(places), max(map(len, places))
         self.places = np.full((contacts, most), np.inf)
@@ -48,7 +57,7 @@ class Ring:
         for contact, (place, share) in enumerate(zip(places, shares)):
             self.renew(contact, place, share)
 
-    def renew(self, contact, places, shares, slid=False):
+    def renew(self, contact: int, places: Floats, shares: Floats, slid: bool = False) -> None:
         """Start a new contact with new patches; ``slid``: all of it has slipped."""
         more = len(places) - self.places.shape[1]
         if more > 0:
@@ -59,17 +68,17 @@ class Ring:
         if slid:
             self.margin[contact] = 0.0
 
-    def start(self, force_n, tension_n):
+    def start(self, force_n: Floats, tension_n: Floats) -> None:
         """Take this hold as given before the run: the part that slips under it has already slipped."""
         self.margin = force_n - tension_n / self.friction
         self.ratio = tension_n / (self.friction * force_n)
 
-    def reach(self, force_n):
+    def reach(self, force_n: Floats) -> Floats:
         """q up to which the contacts have slipped under the present force."""
         known = np.isfinite(self.margin)
         return np.where(known, np.clip(1.0 - np.where(known, self.margin, 0.0) / force_n, 0.0, 1.0), 0.0)
 
-    def next(self, force_n, tension_n, block_s):
+    def next(self, force_n: Floats, tension_n: Floats, block_s: float) -> Events:
         """(contact, sample, shares) of the patches that let go, in order of contact and instant.
 
         ``sample``: the instant in samples of this block, unrounded; -1 is the last sample before the block.
@@ -82,17 +91,21 @@ class Ring:
             slipped = np.where(np.isfinite(self.margin), 1.0 - self.margin / force_n.min(axis=1), -1.0)
         near = (self.places > slipped[:, None]) & (self.places <= ratio.max(axis=1)[:, None])
         found = np.flatnonzero((low < self.margin) & near.any(axis=1))
-        events = [self._of(contact, margin_n[contact], ratio[contact], force_n[contact]) for contact in found]
+        events = [
+            self._of(contact, margin_n[contact], ratio[contact], force_n[contact])
+            for contact in found.tolist()
+        ]
         self.ratio = ratio[:, -1]
         last = margin_n[:, -1]
         self.margin = np.minimum(self.margin, low)
         self.margin += np.maximum(last - self.margin, 0.0) * -np.expm1(-block_s / self.heal_s)
         if not events:
             return np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
-        counts = [len(sample) for sample, _ in events]
-        return np.repeat(found, counts), *(np.concatenate(column) for column in zip(*events))
+        samples, shares = zip(*events)
+        counts = [len(sample) for sample in samples]
+        return np.repeat(found, counts), np.concatenate(samples), np.concatenate(shares)
 
-    def _of(self, contact, margin_n, ratio, force_n):
+    def _of(self, contact: int, margin_n: Floats, ratio: Floats, force_n: Floats) -> tuple[Floats, Floats]:
         """(sample, shares) of one contact whose core shrinks below the remembered minimum."""
         below = margin_n <= self.margin[contact]
         first = int(np.argmax(below))
@@ -112,12 +125,12 @@ class Ring:
 class Level:
     """u of each contact."""
 
-    def __init__(self, contacts, recovers=rubber.RESTORED):
+    def __init__(self, contacts: int, recovers: float = rubber.RESTORED) -> None:
         self.recovers = recovers
         self.level, self.left = np.zeros(contacts), np.zeros(contacts)
         self.moved = np.zeros(contacts, dtype=bool)
 
-    def next(self, speed_mm_s, samples, rate_hz):
+    def next(self, speed_mm_s: Floats, samples: int, rate_hz: float) -> Floats:
         """u [contacts, samples] of a block in which the rubber shears at ``speed_mm_s`` [contacts]."""
         speed = np.abs(speed_mm_s)
         stops = self.moved & (speed == 0)  # the residual is a share of the present level
@@ -135,11 +148,11 @@ class Level:
 class Fluctuation:
     """e(t) of each contact."""
 
-    def __init__(self, contacts, rate_hz):
+    def __init__(self, contacts: int, rate_hz: float) -> None:
         self.pole = (-1.0 / rubber.RING_S + 2j * np.pi * rubber.RING_HZ) / rate_hz
         self.last = np.zeros(contacts, dtype=complex)
 
-    def next(self, contact, sample, shares, samples):
+    def next(self, contact: Ints, sample: Floats, shares: Floats, samples: int) -> tuple[Ints, Floats]:
         """(contacts that ring, e [these contacts, samples]); events as from ``Ring.next``."""
         from scipy.signal import lfilter
 
@@ -160,14 +173,14 @@ class Fluctuation:
 
 
 class Ripple:
-    """Unit ripple of a moving stage, [runs, samples] per block, from a tape of ``seconds`` that repeats."""
+    """Unit ripple of a moving stage, [runs, samples] per block, from a tape of two seconds that repeats."""
 
-    def __init__(self, rate_hz, rngs, seconds=2.0):
-        samples = round(seconds * rate_hz)
+    def __init__(self, rate_hz: float, rngs: Sequence[np.random.Generator]) -> None:
+        samples = round(2.0 * rate_hz)
         self.tape = np.stack([plate._ripple(samples, rate_hz, rng) for rng in rngs])
         self.place = 0
 
-    def next(self, samples):
+    def next(self, samples: int) -> Floats:
         at = (self.place + np.arange(samples)) % self.tape.shape[1]
         self.place = int(at[-1]) + 1
         return self.tape[:, at]

@@ -33,10 +33,15 @@ ENGINES = {
     "gate": "gate: the synthesised netlist, simulated",
 }
 
+# Keys that are words.
+_PLAIN = (
+    *("scene", "engine", "modelled", "left_out", "runs", "condition", "seeds", "clocks", "dropped", "frames"),
+    *("rows", "columns", "radius", "k1", "n", "constant", "value", "published", "circuit", "shape", "column"),
+    "false_alarms",
+)
 WORDS = {
+    **{key: Words(key.replace("_", " ")) for key in _PLAIN},
     # every scene
-    "scene": Words("scene"),
-    "engine": Words("engine"),
     "seed": Words("first seed"),
     "files": Words("files of the run"),
     "seconds_simulated": Words("simulated time", "s"),
@@ -45,22 +50,16 @@ WORDS = {
     "twin_mismatches": Words(
         "differences between core and integer twin", none="not compared: this engine does not run the core"
     ),
-    "modelled": Words("modelled"),
-    "left_out": Words("left out"),
     "built": Words("modelled of the core"),
     "not_built": Words("left out of the core"),
-    "runs": Words("runs"),
-    "condition": Words("condition"),
     # slip; single times are those of the shown run; onset: the first partial slip, or the start of the pull
     "onset_s": Words("onset (truth), shown run", "s"),
     "crossing_s": Words("reference window crosses the threshold, shown run", "s"),
     "flag_s": Words("slip flag rises, shown run", "s"),
     "delay_s": _ms("from onset to flag, shown run"),
     "gross_s": Words("whole contact slips (truth), shown run", "s"),
-    "seeds": Words("seeds"),
     "missed": Words("slips missed"),
     "late": Words("of these flagged late, after the whole contact slipped"),
-    "false_alarms": Words("false alarms"),
     "false_alarms_masked": Words("false alarms of a core that knows its own motion"),
     "missed_rate": Words("slips missed", none="nothing slips"),
     "false_alarm_rate": Words("runs with a false alarm"),
@@ -76,7 +75,6 @@ WORDS = {
     "lead_ms_min": Words("lead before the whole contact slips, shortest", "ms"),
     "adc": Words("converter"),
     "clk_khz": Words("clock", "MHz", 1e-3),
-    "clocks": Words("clocks"),
     "convert_jitter_clocks": Words("jitter of convert start", "clocks"),
     "decision_clocks": Words("convert start to decision, longest", "clocks"),
     "decision_us": Words("convert start to decision, longest", "µs"),
@@ -96,7 +94,6 @@ WORDS = {
     "estimate_beyond": Words("shears above the limit that the core flags"),
     "estimates_outside": Words("windows with a speed where nothing is sheared"),
     # a hand in closed loop
-    "dropped": Words("dropped"),
     "dropped_rate": Words("dropped"),
     "dropped_interval": Words("dropped, 95 % interval", "%"),
     "grip_ratio_mean": Words("grip over the least that friction allows, mean of the hold"),
@@ -128,16 +125,12 @@ WORDS = {
     "position_response_s": _ms("until the position settles to within 5 % of its travel"),
     "below_min_load": Words("frames whose load is too small for a position"),
     "over_range": Words("samples above the converter's range"),
-    "frames": Words("frames"),
-    "rows": Words("rows"),
-    "columns": Words("columns"),
     "r_ohm": Words("resistor between taxels", "Ω"),
     "total_n": Words("total load", "N"),
     "position": Words("bound of the position's error, of the range"),
     "load": Words("bound of the load's error, of the load"),
     "centre_x": Words("centre, x"),
     "centre_y": Words("centre, y"),
-    "radius": Words("radius"),
     "deviation": Words("deviation of the radius"),
     "roundness": _share("out of round"),
     # sheared rubber
@@ -152,8 +145,6 @@ WORDS = {
     "slope_v_mm": Words("dV over the distance: slope of the straight line", "V/mm"),
     "slope_error_v_mm": Words("standard error of that slope", "V/mm"),
     "k0": Words("k0 of dV = (k0 + k1·Vi)·v^n", "V"),
-    "k1": Words("k1"),
-    "n": Words("n"),
     "residual": _share("residuals of dV, rms"),
     "off_table_1": _share("dV beside Table 1"),
     "off_table_2": _share("dV beside Table 2"),
@@ -162,9 +153,6 @@ WORDS = {
         "steps above the limit of 3 mm/s that are found above it", "steps", none="none is above it"
     ),
     "beyond_falsely": Words("steps up to the limit found above it", "steps"),
-    "constant": Words("constant"),
-    "value": Words("value"),
-    "published": Words("published"),
     "after_v": Words("Vc 5 s after the shear", "V"),
     "restored_after_v": Words("Vc 5 s after the shear, if restored", "V"),
     "converged_after_v": Words("Vc 5 s after the shear, if it converges", "V"),
@@ -195,11 +183,9 @@ WORDS = {
     "unevenness_after": _share("even press, cell farthest from the mean: calibrated"),
     "unevenness_codes_as_they_are": _share("even press, cell farthest from the mean: codes as they are"),
     "unevenness_calibrated_by_probe": _share("even press, cell farthest from the mean: by a probe"),
-    "circuit": Words("circuit"),
     "unselected": Words("unselected rows"),
     "ghost": _share("ghost in an unpressed cell, of the largest reading"),
     "pressed_spread": _share("spread of the pressed cells"),
-    "shape": Words("shape"),
     "load_g": Words("load", "g"),
     "reported_g": Words("reported load", "g"),
     "second_order_g": Words("load with the second-order term", "g"),
@@ -236,7 +222,6 @@ WORDS = {
     "peaks_apart_from_mm": Words("distance between peaks, smallest", "mm"),
     "peaks_apart_to_mm": Words("distance between peaks, largest", "mm"),
     "neighbour_at_a_centre": _share("neighbour's reading with the probe over a cell's centre"),
-    "column": Words("column"),
     "centre_mm": Words("cell's centre", "mm"),
     "peak_mm": Words("peak", "mm"),
     "height_g": Words("height of the peak", "g"),
@@ -251,11 +236,8 @@ _ENDINGS = {
 }
 
 
-INTERVALS = (
-    "missed_interval",
-    "false_alarm_interval",
-    "dropped_interval",
-)  # keys of a row with the ends of a rate's interval
+# Keys of a row with the ends of a rate's interval.
+INTERVALS = ("missed_interval", "false_alarm_interval", "dropped_interval")
 
 
 def words(key, value=None):

@@ -1,12 +1,16 @@
 """What every sensor's scenes and recordings share: keys, their check, and what a recording models."""
 
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
+
+from msgspec import Meta
 
 from meissner import tables
 from meissner.physics.adc import PARTS, Adc
 from meissner.scenes.sensor import sensor, used
 from meissner.tables import Count, Table, one_of
+
+Event = Annotated[float, Meta(ge=0, le=0.9)]  # above 0.9, a slip of the rubber may have no event
 
 
 class Keys(Table):
@@ -80,4 +84,6 @@ def read(name: str, table: dict[str, Any], kind: type[K]) -> tuple[K, dict[str, 
     """(the file of scene ``name`` as a ``kind``, the fields of Scene in it); ValueError with one sentence."""
     keys = tables.read(kind, table, f"scene {name}")
     own = {key: getattr(keys, key) for key in ("title", "sensor", "rate_hz", "seeds") if hasattr(keys, key)}
+    kind = keys.world.__struct_config__.tag
+    own |= {"kind": kind} if kind else {}
     return keys, {"name": name, **own} | ({"adc_part": keys.adc} if isinstance(keys, SampledKeys) else {})

@@ -4,8 +4,7 @@ on that front that meets given needs.
 axis       definition of an axis and its points
 axes       a module per subject; no list of them exists
 table      finds the modules of axes
-pool       runs points in processes of this machine
-cluster    runs points on the workers of Dask
+worker     measures points, in processes of this machine or on the workers of Dask
 store      finished points on disk
 sweep      from axes to results
 pareto     points that no other point dominates

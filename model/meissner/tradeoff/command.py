@@ -8,10 +8,9 @@ from pathlib import Path
 
 from meissner.files import check_out, written
 from meissner.terminal import plain
-from meissner.tradeoff import sweep, table
+from meissner.tradeoff import sweep, table, worker
 from meissner.tradeoff.area import recorded
 from meissner.tradeoff.points import point_of
-from meissner.tradeoff.pool import cores
 
 NEEDED = ("error", "board", "channels", "window", "rows", "columns", "lut")
 RECORD = Path(__file__).with_name("measured.json")
@@ -45,7 +44,7 @@ def _folder(out):
 
 def _workers(count):
     if count is None:
-        return cores()
+        return worker.cores()
     if not 1 <= count <= 1024:
         raise ValueError(f"workers = {count} must lie in 1 .. 1024")
     return count
@@ -53,8 +52,6 @@ def _workers(count):
 
 def _point(arguments):
     """Measure and print one point; no file is written."""
-    from meissner.tradeoff import worker
-
     if not arguments.axis or len(arguments.axis) != 1:
         raise ValueError("--point needs exactly one --axis")
     axis = table.named(arguments.axis[0])
@@ -76,13 +73,9 @@ def tradeoff(arguments):
     axes = [table.named(name) for name in dict.fromkeys(arguments.axis or table.every())]
     workers, out = _workers(arguments.workers), _folder(arguments.out or "build/tradeoff")
     out.mkdir(parents=True, exist_ok=True)
-    runner = None
-    if arguments.scheduler:
-        from meissner.tradeoff.cluster import Cluster
-
-        runner = Cluster(arguments.scheduler)
+    executor = worker.cluster(arguments.scheduler) if arguments.scheduler else None
     try:
-        rows = sweep.run(axes, out, arguments.quick, runner, workers, _bar)
+        rows = sweep.run(axes, out, arguments.quick, executor, workers, _bar)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             f"interrupted; finished points are in {plain(out)}; the same command continues"

@@ -5,7 +5,6 @@ again.
 
 import hashlib
 import json
-from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -34,14 +33,6 @@ class Store:
         text = json.dumps(task.point, sort_keys=True)
         return self.folder / task.name / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.json"
 
-    def begin(self, names):
-        """Make the folders of these axes; remove the temporary files of interrupted writes."""
-        for name in names:
-            (self.folder / name).mkdir(parents=True, exist_ok=True)
-            for left in (self.folder / name).glob(".*.json.*"):
-                with suppress(OSError):
-                    left.unlink()
-
     def read(self, task):
         """(figures, whether they are current); (None, False) without figures."""
         try:
@@ -53,6 +44,7 @@ class Store:
             return None, False  # missing or damaged: measured again
 
     def write(self, task, found):
+        self._place(task).parent.mkdir(parents=True, exist_ok=True)
         entry = {"of": revision(), "point": task.point, "found": found}
         with written(self._place(task)) as file:
             file.write(json.dumps(entry).encode() + b"\n")

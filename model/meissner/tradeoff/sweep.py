@@ -1,36 +1,63 @@
 """From axes to results: plan the points, run those that are not on disk, join all in the planned order."""
 
 import json
+from concurrent.futures import as_completed
 from contextlib import closing, nullcontext
 from pathlib import Path
+from typing import NamedTuple
 
 from meissner.files import written
-from meissner.tradeoff import area, pareto
+from meissner.tradeoff import area, pareto, worker
 from meissner.tradeoff.points import command_of
-from meissner.tradeoff.pool import Pool, Task
 from meissner.tradeoff.store import Store
 
 RESULTS, TIMES = "results.json", "times.json"
 
 
-def tasks_of(axis, quick=False, points=None):
-    """A Task for each point; its group is its values of the axis's ``group``."""
-    where = axis.error.__module__
-    chosen = axis.points(quick) if points is None else points
-    return [Task(where, axis.name, point, tuple(point[key] for key in axis.group)) for point in chosen]
+class Task(NamedTuple):
+    """A point of the axis ``name`` in the module ``where``; tasks of one ``group`` go to one process."""
+
+    where: str
+    name: str
+    point: dict
+    group: tuple
 
 
-def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print, points=None):
+def tasks_of(axis, quick=False):
+    """A Task for each point; its group is its values of the axis's ``group``, or the point itself."""
+    where, keys = axis.error.__module__, axis.group or axis.values
+    points = axis.points(quick)
+    return [Task(where, axis.name, point, tuple(point[key] for key in keys)) for point in points]
+
+
+def measured(tasks, executor):
+    """Yield (task, answer) as results arrive from the context ``executor``, in any order."""
+    groups = {}
+    for task in tasks:
+        groups.setdefault((task.name, task.group), []).append(task)
+    with executor as pool:
+        jobs = {}
+        for group in groups.values():
+            points = [task.point for task in group]
+            jobs[pool.submit(worker.answers, group[0].where, group[0].name, points)] = group
+        for job in as_completed(jobs):
+            try:
+                found = job.result()
+            except Exception as problem:  # its process died, or the module of the axis is missing there
+                found = [{"problem": f"{type(problem).__name__}: {problem}"}] * len(jobs[job])
+            yield from zip(jobs[job], found)
+
+
+def run(axes, out, quick=False, executor=None, workers=1, progress=None, say=print):
     """Measure what is not in ``out`` yet and write the results there; returns {name: rows}.
 
-    ``runner``: an object with ``run(tasks)`` for all axes except timed ones; ``workers``: number of processes
+    ``executor``: a context of worker.py for all axes except timed ones; ``workers``: number of processes
     without it; ``progress``: takes a number of points and returns a context whose value is called after each
-    point; ``points``: {name: points} in place of an axis's own. ValueError at the end if points failed.
+    point. ValueError at the end if points failed.
     """
     out = Path(out)
     store = Store(out)
-    store.begin(axis.name for axis in axes)
-    wanted = {axis.name: tasks_of(axis, quick, points and points[axis.name]) for axis in axes}
+    wanted = {axis.name: tasks_of(axis, quick) for axis in axes}
     found, todo, stale = {}, {True: [], False: []}, 0
     for axis in axes:
         for task in wanted[axis.name]:
@@ -48,11 +75,11 @@ def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print
         say(f"{len(found)} of {count} points are in {out} already{again}")
     problems = []
     with progress(sum(map(len, todo.values()))) if progress else nullcontext(lambda: None) as report:
-        for timed in (False, True):
-            if not todo[timed]:
+        several = executor or worker.processes(workers)
+        for tasks, one in ((todo[False], several), (todo[True], worker.processes(1))):
+            if not tasks:
                 continue
-            several = runner if runner is not None and not timed else Pool(1 if timed else workers)
-            with closing(several.run(todo[timed])) as answers:
+            with closing(measured(tasks, one)) as answers:
                 for task, answer in answers:
                     if "found" in answer:
                         store.write(task, answer["found"])

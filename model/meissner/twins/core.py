@@ -7,12 +7,11 @@ import numpy as np
 from meissner.twins.actuate.actuate import Actuate
 from meissner.twins.frontend.health import Limits
 from meissner.twins.link.link import payloads
-from meissner.twins.sensor.sensor_array import from_reset, sensor_array
-from meissner.twins.sensor.sensor_cop4 import sensor_cop4
+from meissner.twins.sensor.sensors import from_reset, sensor_array, sensor_cop4
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.shear_speeds import ShearSpeeds, report
-from meissner.twins.slip.slip_chain import slip_chain
+from meissner.twins.slip.slip_path import slip_chain
 
 OF_LOAD = 65535  # channel of a slip event found in the load of four electrodes
 
@@ -69,7 +68,7 @@ class Hand:
 
 
 def of_channels(samples, config, moving=None, mask=None, change=None):
-    """Slip events of samples [frames, channels]; other arguments as in meissner.twins.slip.slip_chain."""
+    """Slip events of samples [frames, channels]; other arguments as in meissner.twins.slip.slip_path."""
     slip, _ = payloads(slip_chain(samples, config, moving, mask, change))
     return Expected(slip, [], None)
 
@@ -77,7 +76,7 @@ def of_channels(samples, config, moving=None, mask=None, change=None):
 def of_array(array, samples, slip=None, over=None):
     """All results of samples [frames, rows, columns]; ``slip``: SlipConfig.
 
-    ``array``: meissner.twins.sensor.sensor_array.Array; it keeps its learned state between calls, as the core
+    ``array``: meissner.twins.sensor.sensors.Array; it keeps its learned state between calls, as the core
     does.
     """
     sensed = sensor_array(array, samples, over)
@@ -99,7 +98,7 @@ def samples_of(config, codes):
 
 
 def array_of(config):
-    """meissner.twins.sensor.sensor_array.Array of a configuration, as after reset."""
+    """meissner.twins.sensor.sensors.Array of a configuration, as after reset."""
     limits = tare = None
     if config.health:
         given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
@@ -114,7 +113,9 @@ def array_of(config):
 
 def hand_of(config, start=None):
     """Hand of a configuration with [grip] and, optionally, [shear_speed]."""
-    return Hand(config.channels, config.slip, config.stages["grip"], start, config.stages.get("shear_speed"))
+    return Hand(
+        config.channels, config.slip, config.features["grip"], start, config.features.get("shear_speed")
+    )
 
 
 def expected(config, codes):

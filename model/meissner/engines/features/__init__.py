@@ -5,8 +5,10 @@ engines rtl and gate build for it, and BLOCKS, the blocks in TOP. Its module ``e
 ENGINES, {engine of meissner.names.EVERY: its function}. The other features' functions are in the engines.
 """
 
+from collections.abc import Callable
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import Any
 
 from meissner.engines import load
 
@@ -19,12 +21,12 @@ FEATURE_OF = {
 }
 
 
-def of(name):
+def of(name: str) -> dict[str, Callable[..., Any]]:
     """{engine: its function for the feature}."""
     return import_module(f"{__name__}.{name}.engines").ENGINES
 
 
-def function(engine, name, *otherwise):
+def function(engine: str, name: str, *otherwise: Callable[..., Any] | None) -> Callable[..., Any]:
     """An engine's function of that name; without one, ``otherwise`` or AttributeError."""
     found = load(engine)  # refuses an engine that cannot run here
     if name in FEATURES:

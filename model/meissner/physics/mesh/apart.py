@@ -12,20 +12,28 @@ both electrodes are close compared with the free direction, so a layer more than
 uses rows of modes (lines.py).
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+from meissner.arrays import Floats, Ints
+
+if TYPE_CHECKING:
+    from meissner.physics.mesh.green import Layer
+
 
 FADED = 44.0
 STEPS = 26  # columns in the first group with one number of modes; each next group is twice as long
 
 
-def suits(free, along):
+def suits(free: int, along: int) -> bool:
     return free <= 2 * along
 
 
 class Apart:
     """A Layer by its table of distances."""
 
-    def __init__(self, layer):
+    def __init__(self, layer: "Layer") -> None:
         free, end = layer.free, layer.along + 1
         self.free, self.end, self.ladder = free, end, layer.ladder
         turn = np.cos(np.pi / free * np.arange(2 * free)) / free
@@ -46,11 +54,11 @@ class Apart:
         self.flat = self.table.reshape(-1)
         self.reach = layer.reach
 
-    def most(self):
+    def most(self) -> float:
         """Upper bound of the sum of the magnitudes of any entry's terms: T[u, v] <= T[0, 0]."""
         return 4 * float(self.table[0, 0]) + float(self.reach().max())
 
-    def between(self, across, along):
+    def between(self, across: Ints, along: Ints) -> Floats:
         """As Layer.between, for [..., K] places."""
         size, end = self.end + 1, self.end
         one, other = along[..., :, None] + 1, along[..., None, :] + 1

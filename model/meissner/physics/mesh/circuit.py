@@ -6,17 +6,31 @@ sum g (z_p - z_q - e) = 0 over the edges at a node, e = 1 across a contact, so s
 digits. A short merges its two nodes, and the source e = 1 between them moves into the resistors around it.
 """
 
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+from numpy.typing import NDArray
+
+from meissner.arrays import Bools, Floats, Ints
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import SuperLU
+
+    from meissner.physics.mesh.mesh import Mesh
+
 
 LONG = np.longdouble
 LONG_UNIT = float(np.finfo(LONG).eps)
 GROUND = -1
+Longs = NDArray[np.longdouble]
 
 
 class Circuit:
     """One scene's network. ``load`` [m, n] in newtons, inf = shorted."""
 
-    def __init__(self, mesh, load):
+    def __init__(self, mesh: "Mesh", load: Floats) -> None:
         m, n = mesh.m, mesh.n
         self.mesh, self.size = mesh, 2 * m * n + 4
         p, q, g = grid_edges(m, n, mesh.r / mesh.R0)
@@ -45,7 +59,7 @@ class Circuit:
         self.p, self.q, self.g, self.emf = (a[inside] for a in (self.p, self.q, self.g, self.emf))
         self.grounded = self.q == GROUND
 
-    def matrix(self):
+    def matrix(self) -> "csc_array":
         """The assembled symmetric M-matrix, CSC."""
         from scipy import sparse  # imported here: only commands that solve a mesh wait for SciPy
 
@@ -56,7 +70,7 @@ class Circuit:
         columns = np.concatenate([q, p, np.arange(count)])
         return sparse.csc_array((np.concatenate([-g, -g, diagonal]), (rows, columns)), (count, count))
 
-    def imbalance(self, z, emf, emf_doubt):
+    def imbalance(self, z: Longs, emf: Longs, emf_doubt: Floats) -> tuple[Longs, Floats]:
         """Residual current at each node, in extended precision, and a bound of this sum's own rounding."""
         across = np.append(z, LONG(0))
         drop = across[self.p] - across[self.q]
@@ -70,19 +84,19 @@ class Circuit:
         edges = np.bincount(self.p, minlength=len(z)) + np.bincount(self.q[~self.grounded], minlength=len(z))
         return left[:-1], (edges + 4) * LONG_UNIT * 1.01 * size[:-1]
 
-    def factor(self):
+    def factor(self) -> "SuperLU":
         from scipy.sparse import linalg
 
         return linalg.splu(self.matrix(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
-    def plain(self):
+    def plain(self) -> Floats:
         """Drops [2mn+4] by a single sparse LU solve, for timing."""
         pull = np.bincount(self.p, self.g * self.emf, len(self.live))
         inner = ~self.grounded
         pull -= np.bincount(self.q[inner], (self.g * self.emf)[inner], len(self.live))
         return self.expand(self.factor().solve(pull))
 
-    def lift(self, upper):
+    def lift(self, upper: Bools) -> Callable[[Longs], Longs]:
         """A function: residual currents [nodes] -> the common shift of each layer that balances its sum.
 
         Solved on conductances without subtraction; it restores what LU loses when wires are near-ideal.
@@ -93,13 +107,13 @@ class Circuit:
         between = self.g[~self.grounded & (ends[0] != ends[1])].sum()
         whole = between * ground.sum() + ground[0] * ground[1]
 
-        def shift(left):
+        def shift(left: Longs) -> Longs:
             sums = np.array([left[upper].sum(), left[~upper].sum()])
             return ((sums * ground[::-1] + between * sums.sum()) / whole)[side[:-1]]
 
         return shift
 
-    def refined(self):
+    def refined(self) -> tuple[Longs, Longs, Floats, float, float]:
         """Sparse LU, refined and certified: (drops [2mn+4], their deviations from each layer's level [2mn+4],
         bound [2mn+4], condition, residual).
 
@@ -112,11 +126,12 @@ class Circuit:
         except RuntimeError:  # singular: its sums have rounded away all but the largest conductances
             nothing = np.zeros(len(self.place), LONG)
             return nothing, nothing, np.full(len(nothing), np.inf), float(np.finfo(float).max), 1.0
-        emf, none = self.emf.astype(LONG), np.zeros(len(self.g))
+        emf: Longs = self.emf.astype(LONG)
+        none = np.zeros(len(self.g))
         upper = np.isin(self.live, [self.size - 4, self.size - 2]) | (self.live < self.mesh.m * self.mesh.n)
         shift = self.lift(upper)
 
-        def refine(z, emf, doubt, wanted, steps):
+        def refine(z: Longs, emf: Longs, doubt: Floats, wanted: Any, steps: int) -> Longs:
             size = np.inf
             for _ in range(steps):
                 z = z + shift(wanted + self.imbalance(z, emf, doubt)[0])
@@ -137,7 +152,7 @@ class Circuit:
         z = refine(z - base, emf, doubt, LONG(0), 12)
         left, slack = self.imbalance(z, emf, doubt)
         wanted = np.abs(left).astype(float) * (1 + 1e-15) + slack + np.finfo(float).tiny
-        u = 1.01 * refine(np.zeros(len(z), LONG), none, none, wanted.astype(LONG), 4)
+        u = 1.01 * refine(np.zeros(len(z), LONG), none.astype(LONG), none, wanted.astype(LONG), 4)
         bound = np.full(len(z), np.inf)
         if (u > 0).all():
             carried, slack = self.imbalance(u, none.astype(LONG), none)
@@ -151,11 +166,11 @@ class Circuit:
         residual = float(np.abs(left).max() / max((self.g * np.abs(self.emf)).max(), np.finfo(float).tiny))
         return self.expand(z + base), z[self.place], bound[self.place], condition, residual
 
-    def expand(self, z):
+    def expand(self, z: NDArray[Any]) -> NDArray[Any]:
         return z[self.place] + self.offset
 
 
-def grid_edges(m, n, rail):
+def grid_edges(m: int, n: int, rail: float) -> tuple[Ints, Ints, Floats]:
     """Edges (p, q, g) of both layers' resistors (g = 1) and of the four R0 (g = rail, q = ground)."""
     a = np.arange(m * n).reshape(m, n)
     b, e = a + m * n, 2 * m * n + np.arange(4)
@@ -169,7 +184,7 @@ def grid_edges(m, n, rail):
     return p, q, g
 
 
-def eliminate(circuit):
+def eliminate(circuit: Circuit) -> Floats:
     """Drops [2mn+4] by elimination without subtraction (after Grassmann, Taksar and Heyman), float64.
 
     It works on conductances and conductances to ground, never on an assembled diagonal, so each drop keeps
@@ -177,7 +192,7 @@ def eliminate(circuit):
     Two right-hand sides, each >= 0: rails of A at 1 (gives B's rise), rails of B at 1 (gives A's drop).
     """
     mesh, cells = circuit.mesh, circuit.mesh.m * circuit.mesh.n
-    order = np.arange(cells).reshape(mesh.m, mesh.n)
+    order: Ints = np.arange(cells).reshape(mesh.m, mesh.n)
     order = (order.T if mesh.m < mesh.n else order).ravel()
     order = np.concatenate([np.stack([order, order + cells], 1).ravel(), 2 * cells + np.arange(4)])
     order = order[circuit.node[order] == order]
@@ -192,7 +207,8 @@ def eliminate(circuit):
     ground[p[~inner]] = circuit.g[~inner]
     x[[size - 4, size - 2], 0] = x[[size - 3, size - 1], 1] = circuit.g[~inner][0]
     band = int(np.abs(p[inner] - q)[(p[inner] < size - 4) & (q < size - 4)].max(initial=1))
-    pivot, kept = np.zeros(size), [None] * size
+    kept: list[tuple[Ints, Floats]] = []
+    pivot = np.zeros(size)
     for s in range(size - 1):
         ahead = np.arange(s + 1, min(s + 1 + band, size - 4))
         ahead = np.concatenate([ahead, np.arange(max(s + 1, size - 4), size)])
@@ -206,7 +222,7 @@ def eliminate(circuit):
         block = np.outer(share, edge)
         np.fill_diagonal(block, 0)
         W[np.ix_(ahead, ahead)] += block
-        kept[s] = ahead, edge
+        kept.append((ahead, edge))
     x[-1] /= ground[-1]
     for s in range(size - 2, -1, -1):
         ahead, edge = kept[s]

@@ -9,15 +9,22 @@ R0 cancels in the report, as published, except for the tilt between two rails (`
 never affects the conditioning.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from meissner.arrays import Floats, Ints
 from meissner.physics.mesh.green import UNIT
+
+if TYPE_CHECKING:
+    from meissner.physics.mesh.mesh import Mesh
+
 
 KEPT = 8  # sets of places in the cache
 LARGEST = 100_000  # entries of a cached matrix, at most
 
 
-def drops(mesh, row, column):
+def drops(mesh: "Mesh", row: Ints, column: Ints) -> Floats:
     """Z / r [scenes, K, K]. For a mesh without tables the results of the last few sets of places are cached,
     since a touch whose force changes presses the same taxels."""
     if mesh.layer_a.tabulated and mesh.layer_b.tabulated:
@@ -25,8 +32,8 @@ def drops(mesh, row, column):
         Z += mesh.layer_b.between(column, row)
         return Z
     places = row.shape, row.tobytes(), column.tobytes()
-    Z = mesh.kept.pop(places, None)
-    if Z is None:
+    Z = mesh.kept.pop(places, np.zeros(0))
+    if not Z.size:
         if mesh.layer_a is mesh.layer_b:
             across, along = np.concatenate([row, column]), np.concatenate([column, row])
             both = mesh.layer_a.between(across, along)
@@ -40,14 +47,14 @@ def drops(mesh, row, column):
     return Z
 
 
-def matrix(mesh, row, column, resistance):
+def matrix(mesh: "Mesh", row: Ints, column: Ints, resistance: Floats) -> Floats:
     """diag(p) + Z [scenes, K, K] in ohms; all arguments [scenes, K], resistance in ohms, 0 for a short."""
     Z = mesh.r * drops(mesh, row, column)
     Z.reshape(len(Z), -1)[:, :: Z.shape[-1] + 1] += resistance
     return Z
 
 
-def solve(mesh, row, column, resistance):
+def solve(mesh: "Mesh", row: Ints, column: Ints, resistance: Floats) -> Floats:
     """w [scenes, K] in siemens: each contact's current per volt between the rails behind R0."""
     M = matrix(mesh, row, column, resistance)
     scale = 1 / np.sqrt(M.reshape(len(M), -1)[:, :: M.shape[-1] + 1])
@@ -56,7 +63,9 @@ def solve(mesh, row, column, resistance):
     return scale * np.linalg.solve(M, scale[..., None])[..., 0]
 
 
-def certify(mesh, row, column, resistance, w):
+def certify(
+    mesh: "Mesh", row: Ints, column: Ints, resistance: Floats, w: Floats
+) -> tuple[Floats, Floats, Floats]:
     """Rigorous |w - exact| [scenes, K], condition [scenes], residual [scenes].
 
     With R near the inverse of the scaled matrix M and q >= |1 - RM|: |error| <= |R residual| / (1 - q). Every

@@ -14,20 +14,27 @@ coordinate; eleven 18-bit registers in addition to Cx, Cy, Kf; see meissner.twin
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from meissner.arrays import Floats
 from meissner.twins.cop.cop4_correct import COEFFICIENT_BITS, CorrectionRegisters
 
-LOAD_TERMS, PLACE_TERMS = 6, 3
+if TYPE_CHECKING:
+    from meissner.physics.mesh.mesh import Mesh
 
 
-def load_terms(x, y):
+PLACE_TERMS = 3
+
+
+def load_terms(x: ArrayLike, y: ArrayLike) -> Floats:
     X, Y = np.square(x), np.square(y)
     return np.stack([np.ones_like(X), X, Y, X * X, X * Y, Y * Y], -1)
 
 
-def place_terms(x, y):
+def place_terms(x: ArrayLike, y: ArrayLike) -> Floats:
     return load_terms(x, y)[..., :PLACE_TERMS]
 
 
@@ -35,12 +42,12 @@ def place_terms(x, y):
 class Correction:
     """Coefficients p [6] and ax, ay [3 each], all without unit, and the mesh constant Kf (newtons)."""
 
-    p: np.ndarray
-    ax: np.ndarray
-    ay: np.ndarray
+    p: Floats
+    ax: Floats
+    ay: Floats
     Kf: float
 
-    def apply(self, x, y, load):
+    def apply(self, x: ArrayLike, y: ArrayLike, load: ArrayLike) -> tuple[Floats, Floats, Floats]:
         """Corrected (x, y, load) of the sensor's x, y (no unit) and load (N), of any equal shapes.
 
         Where 1 - load p / Kf <= 1/16 the load cannot have been that large: the factor saturates at 16.
@@ -52,7 +59,7 @@ class Correction:
         return x + x * (terms @ self.ax), y + y * (terms @ self.ay), load / left
 
 
-def fit(mesh, load):
+def fit(mesh: "Mesh", load: Floats) -> Correction:
     """The ``Correction`` fitted to scenes [scenes, m, n] in newtons that represent the expected touches.
 
     Least squares of the load's relative error and of the position's error, with the mesh's own solver.
@@ -74,7 +81,7 @@ def fit(mesh, load):
     return Correction(p, ax, ay, mesh.Kf)
 
 
-def registers(correction):
+def registers(correction: Correction) -> CorrectionRegisters:
     """``CorrectionRegisters`` of a ``Correction``, at the largest common shift with every p in range."""
     largest = np.abs(correction.p).max()
     if not 0 < largest < 2 ** (COEFFICIENT_BITS - 1):

@@ -8,11 +8,20 @@ harmonic (eq. 6), so E1-E3 gives the first moment of h instead, the potential of
 ``harmonic`` gives h for both coordinates.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from meissner.arrays import Bools, Floats, Ints
 from meissner.physics.mesh.circuit import GROUND, grid_edges
+
+if TYPE_CHECKING:
+    from meissner.physics.mesh.mesh import Mesh
+
+
+Wire = tuple[str, int, int] | tuple[str, int, int, str]
 
 
 class Reading(NamedTuple):
@@ -21,14 +30,14 @@ class Reading(NamedTuple):
     ``valid``: False where no current flows; x, y and load are 0 there.
     """
 
-    E1: np.ndarray
-    E2: np.ndarray
-    E3: np.ndarray
-    E4: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    load: np.ndarray
-    valid: np.ndarray
+    E1: Floats
+    E2: Floats
+    E3: Floats
+    E4: Floats
+    x: Floats
+    y: Floats
+    load: Floats
+    valid: Bools
 
 
 class CutMesh:
@@ -41,7 +50,13 @@ class CutMesh:
     nothing is missing.
     """
 
-    def __init__(self, mesh, elements=None, rubber=None, cut=()):
+    def __init__(
+        self,
+        mesh: "Mesh",
+        elements: ArrayLike | None = None,
+        rubber: ArrayLike | None = None,
+        cut: Sequence[Wire] = (),
+    ) -> None:
         m, n = mesh.m, mesh.n
         there = np.ones((m, n), bool) if elements is None else np.array(elements, bool)
         felt = np.ones((m, n), bool) if rubber is None else np.array(rubber, bool)
@@ -60,7 +75,7 @@ class CutMesh:
             keep &= ~((np.minimum(p, q) == pair[0]) & (np.maximum(p, q) == pair[1]))
         self.p, self.q, self.g = p[keep], q[keep], g[keep]
 
-    def _ends(self, layer, row, column, way="along"):
+    def _ends(self, layer: str, row: int, column: int, way: str = "along") -> tuple[int, int]:
         m, n = self.mesh.m, self.mesh.n
         step = (0, 1) if (layer == "A") == (way == "along") else (1, 0)
         nodes = []
@@ -73,7 +88,7 @@ class CutMesh:
                 nodes.append(i * n + j + (m * n if layer == "B" else 0))
         return min(nodes), max(nodes)
 
-    def _solve(self, p, q, g, emf):
+    def _solve(self, p: Ints, q: Ints, g: Floats, emf: Floats) -> Floats:
         """Drops [2mn+4] of sum g (z_p - z_q - emf) = 0; 0 at nodes without a path to ground."""
         from scipy import sparse  # imported here: only commands that solve a mesh wait for SciPy
         from scipy.sparse import csgraph, linalg
@@ -98,7 +113,7 @@ class CutMesh:
         z[live] = linalg.splu(matrix).solve(pull)
         return z
 
-    def solve(self, load):
+    def solve(self, load: ArrayLike) -> Reading:
         """``Reading`` of loads [scenes, m, n] in newtons; a load without rubber or element is not sensed."""
         mesh, cells = self.mesh, self.mesh.m * self.mesh.n
         load = np.asarray(load, float)
@@ -121,9 +136,10 @@ class CutMesh:
         y = np.where(valid, mesh.Cy * (rise2 - rise4) / safe[1], 0)
         newtons = np.where(valid, mesh.Kf * upper / np.where(valid, 2 - upper - lower, 1), 0)
         rails = np.array([1, -1, 1, -1])[:, None] * mesh.V0
-        return Reading(*(rails - 2 * mesh.V0 * E), x, y, newtons, valid)
+        E1, E2, E3, E4 = rails - 2 * mesh.V0 * E
+        return Reading(E1, E2, E3, E4, x, y, newtons, valid)
 
-    def harmonic(self):
+    def harmonic(self) -> tuple[Floats, ...]:
         """(h_x, h_y) [m, n], NaN at cut elements; with R0 far above r a single pressed element is reported
         there, times one factor per axis."""
         m, n = self.mesh.m, self.mesh.n
@@ -136,7 +152,7 @@ class CutMesh:
             found.append(np.where(self.elements, value, np.nan))
         return tuple(found)
 
-    def _held(self, held):
+    def _held(self, held: Floats) -> Floats:
         """Potentials of a single layer with fixed electrodes; NaN at nodes connected to neither."""
         wires = self.q != GROUND
         p, q, g = self.p[wires], self.q[wires], self.g[wires]

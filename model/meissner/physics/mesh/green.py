@@ -12,6 +12,7 @@ keeps separate (so R0 >> r costs no digits), plus H below: positive definite, wr
 
 import numpy as np
 
+from meissner.arrays import Floats, Ints
 from meissner.physics.mesh.apart import Apart, suits
 from meissner.physics.mesh.lines import Lines
 
@@ -27,44 +28,44 @@ class Layer:
     Indices are zero-based. Results are drops in volts per ampere, in units of r; source: eq. 1-10.
     """
 
-    def __init__(self, free, along, pull):
+    def __init__(self, free: int, along: int, pull: float) -> None:
         self.free, self.along, self.pull = free, along, pull
         self.theta = 2 * np.arcsinh(np.sin(np.pi * np.arange(1, free) / (2 * free)))
         self.norm = 2 * np.sinh(self.theta) * -np.expm1(-2 * self.theta * (along + 1))
-        self._table = None
-        self._large = None
-        self._reach = None
+        self._large: Apart | Lines | None = None
+        self._table: Floats | None = None
+        self._reach: Floats | None = None
 
-    def _modes(self, low, high):
+    def _modes(self, low: Ints, high: Ints) -> Floats:
         """g_p(low, high) for all modes p >= 1 in a new last axis; one-based, low <= high."""
         low, high = low[..., None], high[..., None]
         end = self.along + 1
         left, right = np.expm1(-2 * self.theta * low), np.expm1(-2 * self.theta * (end - high))
         return np.exp(-self.theta * (high - low)) * left * right / self.norm
 
-    def ladder(self, low, high):
+    def ladder(self, low: Ints, high: Ints) -> Floats:
         """H: the drop of mode 0 beyond R0/2 times the current, one-based."""
         end = self.along + 1
         tilt = (low - end / 2) * (high - end / 2) * self.pull
         return (low * (end - high) + tilt) / (end * self.free)
 
     @property
-    def tabulated(self):
+    def tabulated(self) -> bool:
         return 2 * self.free * self.along**2 <= TABLE_LIMIT
 
     @property
-    def by_distance(self):
+    def by_distance(self) -> bool:
         fits = (self.free + 1) * (self.along + 2) <= APART_LIMIT and suits(self.free, self.along)
         return fits and not self.tabulated
 
     @property
-    def large(self):
+    def large(self) -> Apart | Lines:
         """The method for a layer too large for a table of three indices."""
         if self._large is None:
             self._large = Apart(self) if self.by_distance else Lines(self)
         return self._large
 
-    def table(self):
+    def table(self) -> Floats:
         """[2 free, along, along]: half of H plus the sum of modes for a cosine argument, period 2 free."""
         if self._table is None:
             place = np.arange(1, self.along + 1)
@@ -76,7 +77,7 @@ class Layer:
             self._table = np.concatenate([sums, sums[-2:0:-1]])
         return self._table
 
-    def between(self, across, along):
+    def between(self, across: Ints, along: Ints) -> Floats:
         """Drop at each contact per ampere at every other: two [..., K] index arrays -> [..., K, K]."""
         if self.tabulated:
             table, size = self.table(), self.along**2
@@ -89,7 +90,7 @@ class Layer:
         drop = self.large.between(across.reshape(-1, contacts), along.reshape(-1, contacts))
         return drop.reshape(*across.shape, contacts)
 
-    def reach(self):
+    def reach(self) -> Floats:
         """[along]: an upper bound of a contact's drop per own ampere; sqrt(reach reach') bounds the sum of
         the magnitudes of an entry's terms in ``between``, except by distance (see ``terms``)."""
         if self._reach is None:
@@ -97,14 +98,13 @@ class Layer:
             self._reach = self.ladder(place, place) + 2 * self._modes(place, place).sum(-1) / self.free
         return self._reach
 
-    def terms(self):
+    def terms(self) -> Floats:
         """[along]: sqrt(terms terms') bounds the sum of the magnitudes of any entry's terms."""
-        if not self.by_distance:
-            return self.reach()
-        return np.full(self.along, self.large.most())
+        large = self.large if self.by_distance else None
+        return np.full(self.along, large.most()) if isinstance(large, Apart) else self.reach()
 
     @property
-    def rounding(self):
+    def rounding(self) -> float:
         """|error of an entry of between| <= rounding * sqrt(terms terms'): free+64 roundings.
 
         ``free`` for the sum of as many terms in any order, 64 for the term itself with functions accurate to
@@ -112,7 +112,7 @@ class Layer:
         """
         return (self.free + 64) * UNIT
 
-    def field(self, current):
+    def field(self, current: Floats) -> Floats:
         """Drop at every node [..., free, along] for currents drawn [..., free, along], without R0/2."""
         from scipy import fft  # imported here: only commands that solve a mesh wait for SciPy
 

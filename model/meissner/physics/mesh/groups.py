@@ -5,22 +5,29 @@ have the same number of contacts. Electrodes are derived from drops and rises, s
 """
 
 import copy
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from meissner.arrays import Bools, Floats, Ints
 from meissner.physics.mesh import contacts
+from meissner.physics.mesh.circuit import Longs
 from meissner.physics.mesh.green import UNIT
 from meissner.physics.mesh.solution import Certificate
+
+if TYPE_CHECKING:
+    from meissner.physics.mesh.mesh import Mesh
+
 
 VOUCH = 1e-3  # sparse LU: a result with bounds beyond this fraction does not count as a measurement
 
 
-def levers(mesh, row, column):
+def levers(mesh: "Mesh", row: Ints, column: Ints) -> tuple[Floats, Floats]:
     """Distances of contacts from the middle, in taxels: to the right, and upwards."""
-    return column - (mesh.n - 1) / 2, (mesh.m - 1) / 2 - row
+    return column.astype(float) - (mesh.n - 1) / 2, (mesh.m - 1) / 2 - row.astype(float)
 
 
-def assemble(mesh, c, right, up):
+def assemble(mesh: "Mesh", c: Floats, right: Floats, up: Floats) -> Floats:
     """Values [8, scenes] from c = sum w and the levers' sums of w (siemens)."""
     V0 = mesh.V0
     rails = 1 + mesh.R0 * c
@@ -36,7 +43,9 @@ def assemble(mesh, c, right, up):
     return out
 
 
-def spread(mesh, values, c, c_error, x_error, y_error):
+def spread(
+    mesh: "Mesh", values: Floats, c: Floats, c_error: Floats, x_error: Floats, y_error: Floats
+) -> Floats:
     """Bound rows [7, scenes] from bounds of c (siemens) and of x, y."""
     c_low = np.maximum(c - c_error, 0)
     current = values[7]
@@ -57,15 +66,17 @@ def spread(mesh, values, c, c_error, x_error, y_error):
 class Contacts:
     """Scenes with K contacts each: places and resistances (ohms) [scenes, K], then ``w`` (siemens)."""
 
-    def __init__(self, mesh, row, column, resistance):
+    why = ""
+
+    def __init__(self, mesh: "Mesh", row: Ints, column: Ints, resistance: Floats) -> None:
         self.mesh, self.row, self.column, self.resistance = mesh, row, column, resistance
         self.right, self.up = levers(mesh, row, column)
 
-    def finish(self, w):
+    def finish(self, w: Floats) -> None:
         self.w, self.c = w, w.sum(-1)
         self.values = assemble(self.mesh, self.c, (w * self.right).sum(-1), (w * self.up).sum(-1))
 
-    def only(self, keep):
+    def only(self, keep: Bools) -> Self:
         """The same group with some of its scenes."""
         group = copy.copy(self)
         for name in ("row", "column", "resistance", "right", "up", "w", "c"):
@@ -73,14 +84,15 @@ class Contacts:
         group.values = self.values[:, keep]
         return group
 
-    def axes(self):
+    def axes(self) -> tuple[tuple[Floats, Floats, int], tuple[Floats, Floats, int]]:
         return (self.right, self.values[4], self.mesh.n), (self.up, self.values[5], self.mesh.m)
 
-    def spread(self, c_error, x_error, y_error):
+    def spread(self, c_error: Floats, x_error: Floats, y_error: Floats) -> Floats:
         return spread(self.mesh, self.values, self.c, c_error, x_error, y_error)
 
-    def fields(self):
-        mesh, current = self.mesh, np.zeros((len(self.c), self.mesh.m * self.mesh.n))
+    def fields(self) -> Floats:
+        mesh = self.mesh
+        current: Floats = np.zeros((len(self.c), mesh.m * mesh.n))
         scale = 2 * mesh.V0 / (1 + mesh.R0 * self.c)
         np.put_along_axis(current, self.row * mesh.n + self.column, self.w * scale[:, None], 1)
         current = current.reshape(-1, mesh.m, mesh.n)
@@ -93,11 +105,11 @@ class Contacts:
 class Exact(Contacts):
     """The fast solver, dense in the contacts."""
 
-    def __init__(self, mesh, row, column, resistance):
+    def __init__(self, mesh: "Mesh", row: Ints, column: Ints, resistance: Floats) -> None:
         super().__init__(mesh, row, column, resistance)
         self.finish(contacts.solve(mesh, row, column, resistance))
 
-    def certificate(self):
+    def certificate(self) -> Certificate:
         mesh, c = self.mesh, self.c
         error, condition, residual = contacts.certify(mesh, self.row, self.column, self.resistance, self.w)
         count = error.shape[-1]
@@ -118,11 +130,11 @@ class Exact(Contacts):
 class Constant(Contacts):
     """Eq. 25: each layer at one potential, so every contact sees the same voltage; undefined for shorts."""
 
-    def __init__(self, mesh, row, column, resistance):
+    def __init__(self, mesh: "Mesh", row: Ints, column: Ints, resistance: Floats) -> None:
         super().__init__(mesh, row, column, resistance)
         self.finish(1 / resistance)
 
-    def certificate(self):
+    def certificate(self) -> Certificate:
         """Bounds against the full mesh, where these currents need q = w'Zw more power: c - cq/(c+q) <= exact
         c <= c (Thomson's principle); a moment about the centre errs by at most the energy norms' product."""
         mesh, w, c = self.mesh, self.w, self.c
@@ -139,7 +151,7 @@ class Constant(Contacts):
         c_error = c_error * (1 + 1e-9) + (w.shape[-1] + 4) * UNIT * c
         return Certificate(self.spread(c_error, *errors), np.ones(len(c)), residual)
 
-    def fields(self):
+    def fields(self) -> Floats:
         half = self.mesh.R0 / 2 * self.values[7][:, None, None] + np.zeros((1, self.mesh.m, self.mesh.n))
         return np.stack([self.mesh.V0 - half, half - self.mesh.V0])
 
@@ -147,7 +159,9 @@ class Constant(Contacts):
 class Nodal:
     """One scene by the (2mn+4) nodal equations; ``z`` and ``away`` as ``Circuit.refined`` gives them."""
 
-    def __init__(self, mesh, z, away, bound, condition, residual):
+    def __init__(
+        self, mesh: "Mesh", z: Longs, away: Longs, bound: Floats, condition: float, residual: float
+    ) -> None:
         self.mesh, self.z, self.numbers = mesh, z, (condition, residual)
         drop1, rise2, drop3, rise4 = z[-4:] * np.array([1, -1, 1, -1])
         top, low, drops = drop1 + drop3, rise2 + rise4, 2 * mesh.V0 * z[-4:]
@@ -175,10 +189,13 @@ class Nodal:
         if not sure:
             self.values[4:7] = 0
 
-    def certificate(self):
+    def only(self, keep: Bools) -> Self:
+        return self
+
+    def certificate(self) -> Certificate:
         return Certificate(self.bound, *(np.array([number]) for number in self.numbers))
 
-    def fields(self):
+    def fields(self) -> Floats:
         mesh = self.mesh
         volts = 2 * mesh.V0 * self.z[:-4].astype(float).reshape(2, 1, mesh.m, mesh.n)
         return np.array([mesh.V0, -mesh.V0])[:, None, None, None] - volts

@@ -7,9 +7,17 @@ omitted one is at most exp(-FADED) sqrt(g_p(j, j) g_p(j', j')), and by Cauchy an
 are less than UNIT / 20 of the scale that Layer.rounding refers to.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from meissner.arrays import Floats, Ints
+
+if TYPE_CHECKING:
+    from meissner.physics.mesh.green import Layer
+
 
 CHUNK = 4_000_000  # modes times pairs evaluated in one step
 FADED = 40.0
@@ -20,12 +28,12 @@ KEPT = 1 << 21  # entries of rows cached for each direction, at most
 class Rows:
     """``make(places)`` [places, modes], computed at the first use of a place and then cached."""
 
-    def __init__(self, count, modes, make):
+    def __init__(self, count: int, modes: int, make: Callable[[Ints], Floats]) -> None:
         self.make, self.keep = make, count * modes <= KEPT
         self.row = np.empty((count, modes) if self.keep else (0, modes))
         self.there = np.zeros(count, bool)
 
-    def __getitem__(self, places):
+    def __getitem__(self, places: Ints) -> Floats:
         if not self.keep:
             return self.make(places)
         known = self.there[places]
@@ -36,7 +44,7 @@ class Rows:
 
 
 @lru_cache(maxsize=4)
-def _pairs(scenes, contacts):
+def _pairs(scenes: int, contacts: int) -> tuple[Ints, Ints, Ints, Ints]:
     """For every pair of all scenes, its two contacts and the start of its scene's matrix; for every contact,
     the start of its scene's contacts."""
     first, second = np.triu_indices(contacts)
@@ -48,7 +56,7 @@ def _pairs(scenes, contacts):
 class Lines:
     """A Layer by rows of its modes."""
 
-    def __init__(self, layer):
+    def __init__(self, layer: "Layer") -> None:
         self.free, self.theta, self.end, self.ladder = layer.free, layer.theta, layer.along + 1, layer.ladder
         self.scale = np.sqrt(2 / layer.free / layer.norm)
         self.mode = np.arange(1, layer.free)
@@ -56,16 +64,16 @@ class Lines:
         self.waves = Rows(layer.free, len(self.mode), self._waves)
         self.ends = Rows(self.end, len(self.mode), self._ends)
 
-    def _waves(self, across):
+    def _waves(self, across: Ints) -> Floats:
         """cos(pi p (2i+1) / 2M), from a table of one period, times the square root of the mode's scale."""
         turned = (2 * across[:, None] + 1) * self.mode + 2 * self.free
         return self.cosine[turned % (4 * self.free)] * self.scale
 
-    def _ends(self, place):
+    def _ends(self, place: Ints) -> Floats:
         """1 - exp(-2 t j): the part of a mode that remains at j lines from an electrode."""
         return -np.expm1(place[:, None] * (-2 * self.theta))
 
-    def between(self, across, along):
+    def between(self, across: Ints, along: Ints) -> Floats:
         """As Layer.between, for [scenes, K] places."""
         scenes, contacts = across.shape
         most = max(1, CHUNK // max(1, contacts * self.free))
@@ -85,16 +93,16 @@ class Lines:
         sums = self.ladder(along[first], along[second])
         ranked = gap.argsort(kind="stable")
         gap, first, second = gap[ranked], first[ranked], second[ranked]
-        start = 0
-        while start < len(gap):
-            near = int(gap[start])
+        at = 0
+        while at < len(gap):
+            near = int(gap[at])
             modes = int(self.theta.searchsorted(FADED / near)) if near else len(self.theta)
-            stop = min(int(gap.searchsorted(max(1, WIDER * near))), start + max(1, CHUNK // max(1, modes)))
-            term = low[first[start:stop], :modes]
+            stop = min(int(gap.searchsorted(max(1, WIDER * near))), at + max(1, CHUNK // max(1, modes)))
+            term = low[first[at:stop], :modes]
             if near:
-                term *= np.exp(np.multiply.outer(gap[start:stop], -self.theta[:modes]))
-            sums[ranked[start:stop]] += np.vecdot(term, high[second[start:stop], :modes])
-            start = stop
+                term *= np.exp(np.multiply.outer(gap[at:stop], -self.theta[:modes]))
+            sums[ranked[at:stop]] += np.vecdot(term, high[second[at:stop], :modes])
+            at = stop
         out = np.empty(scenes * contacts**2)
         for entry in entries:
             out[entry] = sums

@@ -1,7 +1,12 @@
 """The resistor mesh under the sensor: loads in newtons to electrode voltages, three solvers, one call."""
 
-import numpy as np
+from collections.abc import Callable
+from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meissner.arrays import Floats, Ints
 from meissner.physics.mesh.circuit import Circuit
 from meissner.physics.mesh.constants import cop_constants
 from meissner.physics.mesh.green import Layer
@@ -17,20 +22,30 @@ MODES = 200_000_000  # beyond this many terms of Green's functions that are too 
 SPARSE = 20_000  # taxels up to which auto takes sparse LU for many contacts
 NARROW = tuple(map(np.dtype, ("f4", "f2", "u2", "u1")))
 ALL = np.zeros(1, int)
+Frame = Callable[[int], Floats]  # a scene's loads [m, n]
 
 
 class Mesh:
-    """An m x n mesh: layer resistors ``r`` and rail resistors ``R0`` (ohms), rails +-``V0`` (volts).
+    """An m x n mesh, with the register constants ``Cx``, ``Cy``, ``Kf`` of ``cop_constants``.
 
-    A taxel loaded with F newtons is a resistor k / F (eq. 24, ``k`` in newton ohms; 4320 in the paper, so
-    864 ohms at 5 N). ``Cx``, ``Cy``, ``Kf``: the register constants, see ``cop_constants``.
     Rows i count from top to bottom, columns j from left to right; E1 left, E3 right, E2 top, E4 bottom.
+
+    Parameters
+    ----------
+    r, R0 : float
+        Ohms of the layers' resistors and of the rails'.
+    V0 : float
+        Volts: the rails are +-V0.
+    k : float
+        Newton ohms: a taxel loaded with F newtons is a resistor k / F (eq. 24).
     """
 
-    def __init__(self, m, n, r, R0=10e3, V0=15.0, k=4320.0):
-        for name, value in (("m", m), ("n", n)):
-            if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-                raise ValueError(f"{name} = {value!r} must be a whole number of taxels, 1 or more")
+    def __init__(
+        self, m: int, n: int, r: float, R0: float = 10e3, V0: float = 15.0, k: float = 4320.0
+    ) -> None:
+        for name, count in (("m", m), ("n", n)):
+            if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
+                raise ValueError(f"{name} = {count!r} must be a whole number of taxels, 1 or more")
         for name, value in (("r", r), ("R0", R0), ("V0", V0), ("k", k)):
             number = np.asarray(value)
             if number.shape or number.dtype.kind not in "iuf" or not (number > 0 and np.isfinite(number)):
@@ -45,18 +60,18 @@ class Mesh:
         )
         rail = 2 * self.R0 / self.r
         self.layer_a = Layer(self.m, self.n, rail / (rail + (self.n + 1) / self.m))
-        self.kept = {}  # cache of meissner.physics.mesh.contacts
+        self.kept: dict[
+            tuple[tuple[int, ...], bytes, bytes], Floats
+        ] = {}  # cache of meissner.physics.mesh.contacts
         square = self.m == self.n
         pull = rail / (rail + (self.m + 1) / self.n)
         self.layer_b = self.layer_a if square else Layer(self.n, self.m, pull)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Mesh({self.m}, {self.n}, r={self.r:g}, R0={self.R0:g}, V0={self.V0:g}, k={self.k:g})"
 
-    def solve(self, load, solver="auto", tolerance=0.0):
-        """Solve ``load`` [m, n] or [scenes, m, n] (newtons, >= 0; ``np.inf`` shorts a taxel): a ``Solution``.
-
-        Arrays of float32, float16, uint16 and uint8 are read without a conversion.
+    def solve(self, load: ArrayLike, solver: str = "auto", tolerance: float = 0.0) -> Solution:
+        """The Solution under a load.
 
         lu        the (2mn+4) nodal equations, sparse LU, refined and certified: the reference
         fast      exact; only the loaded taxels are unknown
@@ -64,7 +79,16 @@ class Mesh:
         auto      fast or lu, whichever is cheaper for the number of loaded taxels; constant where its own
                   rigorous bounds stay below ``tolerance`` (fraction of the load, and of the position's range)
 
-        Bad input raises ValueError.
+        Parameters
+        ----------
+        load : numbers [m, n] or [scenes, m, n]
+            Newtons, 0 or more; ``np.inf`` shorts a taxel. Arrays of float32, float16, uint16 and uint8 are
+            read without a conversion.
+
+        Raises
+        ------
+        ValueError
+            For another shape, NaN, negative loads and an unknown solver.
         """
         load, single = self._read(load)
         flat = load.reshape(-1)
@@ -74,24 +98,49 @@ class Mesh:
             index, force, len(load), single, lambda scene: load[scene].astype(float), solver, tolerance
         )
 
-    def press(self, row, column, force, solver="auto", tolerance=0.0):
-        """``solve`` for contacts only: [K] or [scenes, K] rows, columns and the newtons on them.
+    def press(
+        self,
+        row: ArrayLike,
+        column: ArrayLike,
+        force: ArrayLike,
+        solver: str = "auto",
+        tolerance: float = 0.0,
+    ) -> Solution:
+        """``solve`` for contacts only.
 
         Only ``lu`` makes a frame of all taxels; otherwise the cost depends on the number of contacts alone.
-        Rows or columns outside the mesh, and a taxel named twice in a scene, raise ValueError too.
+
+        Parameters
+        ----------
+        row, column, force : [K] or [scenes, K]
+            Places of the contacts and the newtons on them.
+
+        Raises
+        ------
+        ValueError
+            Also for places outside the mesh and a taxel named twice in a scene.
         """
         index, force, scenes, single = contacts_of(self.m, self.n, row, column, force)
 
         size = self.m * self.n
 
-        def frame(scene):
+        def frame(scene: int) -> Floats:
             load, here = np.zeros(size), index // size == scene
             load[index[here] % size] = force[here]
             return load.reshape(self.m, self.n)
 
         return self._contacts(index, force, scenes, single, frame, solver, tolerance)
 
-    def _contacts(self, index, force, scenes, single, frame, solver, tolerance):
+    def _contacts(
+        self,
+        index: Ints,
+        force: Floats,
+        scenes: int,
+        single: bool,
+        frame: Frame,
+        solver: str,
+        tolerance: float,
+    ) -> Solution:
         """A Solution from taxels ``index``, counted through all scenes, and ``force``; ``frame(scene)``: the
         loads [m, n] of a scene."""
         if solver not in SOLVERS:
@@ -120,11 +169,20 @@ class Mesh:
                     self._solve(solution, where, frame, place[part], resistance[part], solver, tolerance)
         return solution
 
-    def _solve(self, solution, where, frame, place, resistance, solver, tolerance):
+    def _solve(
+        self,
+        solution: Solution,
+        where: Ints,
+        frame: Frame,
+        place: Ints,
+        resistance: Floats,
+        solver: str,
+        tolerance: float,
+    ) -> None:
         """Solve scenes ``where`` with the same number of contacts: [scenes, K] places and resistances."""
         row, column = np.divmod(place, self.n)
         if solver == "constant" or (solver == "auto" and tolerance > 0):
-            defined = (resistance > 0).all(-1)
+            defined = resistance.min(-1) > 0
             if solver == "constant" and not defined.all():
                 solution.refuse(where[~defined], "constant", "a short has no load at constant potential")
             chosen = defined
@@ -140,29 +198,27 @@ class Mesh:
                 solution.put(where[chosen], group.values, "constant", group)
             if solver == "constant":
                 return
-            where, row, column, resistance = (a[~chosen] for a in (where, row, column, resistance))
+            left = ~chosen
+            where, row, column, resistance = where[left], row[left], column[left], resistance[left]
             if not len(where):
                 return
         method = self._method(row.shape[1], solver)
         if method == "contacts":
-            group = Exact(self, row, column, resistance)
-            solution.put(where, group.values, "fast", group)
+            every = Exact(self, row, column, resistance)
+            solution.put(where, every.values, "fast", every)
             return
         for scene in range(len(where)):
             one = slice(scene, scene + 1)
             if method == "lu":
-                group = Nodal(self, *Circuit(self, frame(where[scene])).refined())
-                if not group.why or solver == "lu":
-                    solution.put(where[one], group.values, "lu", group, group.why)
+                nodal = Nodal(self, *Circuit(self, frame(where[scene])).refined())
+                if not nodal.why or solver == "lu":
+                    solution.put(where[one], nodal.values, "lu", nodal, nodal.why)
                     continue
-            if row.shape[1] <= DENSE:
-                group = Exact(self, row[one], column[one], resistance[one])
-                solution.put(where[one], group.values, "fast", group)
-            else:
-                group = Iterated(self, row[one], column[one], resistance[one])
-                solution.put(where[one], group.values, "fast", group, group.why)
+            method_of = Exact if row.shape[1] <= DENSE else Iterated
+            found = method_of(self, row[one], column[one], resistance[one])
+            solution.put(where[one], found.values, "fast", found, found.why)
 
-    def _method(self, contacts, solver):
+    def _method(self, contacts: int, solver: str) -> str:
         """contacts (dense), transforms (iterated) or lu; times are fitted on one core of a 2020s machine."""
         if solver == "lu":
             return "lu"
@@ -173,7 +229,7 @@ class Mesh:
             return "contacts" if dense and contacts**3 * 3.5e-11 <= sparse else "lu"
         return "contacts" if dense else "transforms"
 
-    def _read(self, load):
+    def _read(self, load: ArrayLike) -> tuple[NDArray[Any], bool]:
         try:
             load = np.asarray(load)
             if load.dtype not in NARROW:  # narrow types are not converted: large frames are read faster

@@ -5,11 +5,18 @@ at a common magnitude. No layer's grid has an eigenvalue above 8, so Z >= r/4: t
 most |c| |residual| in the norm of 1 / (p + r/4), with any taxels shorted.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from meissner.arrays import Floats, Ints
 from meissner.physics.mesh.green import UNIT
 from meissner.physics.mesh.groups import Contacts
 from meissner.physics.mesh.solution import Certificate
+
+if TYPE_CHECKING:
+    from meissner.physics.mesh.mesh import Mesh
+
 
 STEPS = 2000
 TARGET, SETTLED = 1e-13, 1e-8  # residual over right-hand side: to stop at, and to accept
@@ -18,7 +25,7 @@ TARGET, SETTLED = 1e-13, 1e-8  # residual over right-hand side: to stop at, and 
 class Iterated(Contacts):
     """One scene; the same interface as ``Exact``."""
 
-    def __init__(self, mesh, row, column, resistance):
+    def __init__(self, mesh: "Mesh", row: Ints, column: Ints, resistance: Floats) -> None:
         super().__init__(mesh, row, column, resistance)
         self.place = (row * mesh.n + column)[0]
         reach = mesh.r * (mesh.layer_a.reach()[column] + mesh.layer_b.reach()[row])[0]
@@ -43,16 +50,16 @@ class Iterated(Contacts):
         if self.why:
             self.values[4:7] = 0
 
-    def times(self, w):
+    def times(self, w: Floats) -> Floats:
         """(diag(p) + Z) w, both [K]."""
         mesh = self.mesh
-        current = np.zeros(mesh.m * mesh.n)
+        current: Floats = np.zeros(mesh.m * mesh.n)
         current[self.place] = w
         current = current.reshape(mesh.m, mesh.n)
         drop = mesh.layer_a.field(current) + mesh.layer_b.field(current.T).T
         return self.resistance[0] * w + mesh.r * drop.reshape(-1)[self.place]
 
-    def certificate(self):
+    def certificate(self) -> Certificate:
         """Rounding of the transforms by the usual model: 8 roundings a stage, relative to the 2-norm."""
         mesh, w, c = self.mesh, self.w[0], self.c
         least = self.resistance[0] + mesh.r / 4

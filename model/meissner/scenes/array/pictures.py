@@ -3,18 +3,7 @@
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from meissner.scenes.drawing import (
-    BLUE,
-    GREEN,
-    INK,
-    ORANGE,
-    PURPLE,
-    RED,
-    breaks,
-    lighten,
-    new_figure,
-    save,
-)
+from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED, breaks, lighten, new_figure, save
 
 SNAPSHOTS = 6
 FAINT = 0.01  # share of the largest force: less is left blank, or noise would fill the picture

@@ -71,7 +71,6 @@ def run(scene, engine, seed, waves, progress):
 
 
 def tell(summary):
-    """The lines to print of a summary."""
     return [
         f"1 run, seed {summary['seed']}: {summary['frames']} frames of "
         f"{summary['rows']}×{summary['columns']}; {summary['below_min_load']} below the least load",

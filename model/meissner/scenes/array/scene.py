@@ -10,7 +10,7 @@ from msgspec import Meta
 from meissner.physics import mesh_loads, patches, plantar
 from meissner.scenes import base
 from meissner.tables import Count, Positive, Table, values
-from meissner.twins.cop.cop_accumulate import sum_bits
+from meissner.twins.cop.cop import sum_bits
 
 FEATURES = {"cop": "position and load are compared with the forces"}
 WHY = {
@@ -62,27 +62,38 @@ def paths(rows):
 
 
 class Moving(Table, tag_field="kind", tag="patches"):
-    """[world] of kind patches."""
-
     seconds: Positive
     depth_pitches: Positive
     patches: Patches
 
 
 class Recorded(Table, tag_field="kind", tag="recording"):
-    """[world] of kind recording."""
-
     dataset: Literal[plantar.DATASET]
     subject: Annotated[int, Meta(ge=0, le=plantar.SUBJECTS - 1)]
     trial: Annotated[int, Meta(ge=0, le=plantar.TRIALS - 1)]
 
 
-class ConverterKeys(Table):
-    """[converter]: full_scale_n newtons are the highest code."""
+class Converter(Table):
+    """[converter]: of a taxel's force to a code; full_scale_n newtons are the top code of ``bits``."""
 
     bits: Annotated[int, Meta(ge=1, le=16)]
     full_scale_n: Positive
     noise_lsb: Annotated[float, Meta(ge=0, le=1000)]
+
+    @property
+    def top(self):
+        return (1 << self.bits) - 1
+
+    @property
+    def lsb_n(self):
+        return self.full_scale_n / self.top
+
+    def convert(self, force_n, rng):
+        """(codes, uint16: rounded to nearest with white noise; number of taxels beyond the range)."""
+        level = force_n / self.lsb_n
+        over = int((level > self.top + 0.5).sum())
+        level = level + self.noise_lsb * rng.standard_normal(level.shape)
+        return np.clip(np.floor(level + 0.5), 0, self.top).astype(np.uint16), over
 
 
 class ArrayKeys(Table):
@@ -99,11 +110,9 @@ class ArrayKeys(Table):
 
 
 class Keys(base.Keys, kw_only=True):
-    """The file of a scene of an array."""
-
     rate_hz: Count
     array: ArrayKeys
-    converter: ConverterKeys | None = None
+    converter: Converter | None = None
     world: Moving | Recorded
 
     def __post_init__(self):
@@ -114,30 +123,6 @@ class Keys(base.Keys, kw_only=True):
             raise ValueError("unknown key 'converter': a recording has codes")
         if moving and round(self.world.seconds * self.rate_hz) < 1:
             raise ValueError(f"[world]: seconds = {self.world.seconds:g} hold no frame")
-
-
-@dataclass(frozen=True)
-class Converter:
-    """Converts a taxel's force to a code: ``full_scale_n`` newtons are the top code of ``bits``."""
-
-    bits: int
-    full_scale_n: float
-    noise_lsb: float
-
-    @property
-    def top(self):
-        return (1 << self.bits) - 1
-
-    @property
-    def lsb_n(self):
-        return self.full_scale_n / self.top
-
-    def convert(self, force_n, rng):
-        """(codes, uint16: rounded to nearest with white noise; number of taxels beyond the range)."""
-        level = force_n / self.lsb_n
-        over = int((level > self.top + 0.5).sum())
-        level = level + self.noise_lsb * rng.standard_normal(level.shape)
-        return np.clip(np.floor(level + 0.5), 0, self.top).astype(np.uint16), over
 
 
 @dataclass(frozen=True)
@@ -179,27 +164,23 @@ class Recording(base.Recording):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     keys, own = base.read(name, table, Keys)
-    world, converter = values(keys.world), keys.converter
+    world = values(keys.world)
     if "patches" in world:
         world["patches"] = paths(world["patches"])
     return Scene(
         **own,
         **values(keys.array),
-        converter=converter and Converter(**values(converter)),
-        kind=type(keys.world).__struct_config__.tag,
+        converter=keys.converter,
         world=world,
     )
 
 
 def modelled(scene):
-    """The parts of the physics that the scene has."""
     return COMPONENTS[3:] if scene.kind == "recording" else COMPONENTS[:3]
 
 
 def memory(scene):
-    """(bytes of the largest arrays, what they hold)."""
     taxels = scene.rows * scene.columns
     frames = 1000 if scene.kind == "recording" else scene.world["seconds"] * scene.rate_hz
     return _BYTES * frames * taxels + 16 * 8 * max(1 << 20, taxels), f"{frames:.0f} frames of {taxels} taxels"

@@ -276,14 +276,7 @@ def _shapes(scene, codes, recording, fits, core):
     }
     arrays = {f"image_{name.replace(' ', '_')}": image for name, image in images.items()}
     arrays |= {f"even_{k}": image for k, image in enumerate(even.values())}
-    return (
-        summary,
-        arrays,
-        [
-            (report_arrays.draw_shapes, {"images": images}),
-            (draw_even, {"images": even}),
-        ],
-    )
+    return (summary, arrays, [(report_arrays.draw_shapes, {"images": images}), (draw_even, {"images": even})])
 
 
 ANSWERS = {"crosstalk": _crosstalk, "cell": _cell, "select": _select, "shapes": _shapes}

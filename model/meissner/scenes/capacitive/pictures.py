@@ -6,17 +6,7 @@ from matplotlib import colormaps
 from meissner.physics import footprints
 from meissner.physics.capacitive import PITCH_MM
 from meissner.scenes.capacitive.scene import SIDE
-from meissner.scenes.drawing import (
-    BLUE,
-    INK,
-    LINES,
-    MAP,
-    ORANGE,
-    RED,
-    lighten,
-    new_figure,
-    save,
-)
+from meissner.scenes.drawing import BLUE, INK, LINES, MAP, ORANGE, RED, lighten, new_figure, save
 
 MUTED = {"color": "#999999", "lw": 0.8}
 

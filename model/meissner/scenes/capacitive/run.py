@@ -43,7 +43,6 @@ def run(scene, engine, seed, waves=None, progress=list):
 
 
 def tell(summary):
-    """The lines to print of a summary."""
     lines = [f"1 run, seed {summary['seed']}"]
     if "difference_from_eq18_v" in summary:
         apart_mv = 1e3 * summary["difference_from_eq18_v"]

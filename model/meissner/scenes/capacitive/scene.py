@@ -48,8 +48,6 @@ _Farads = Annotated[tuple[Annotated[float, Meta(ge=0, le=1e6)], ...], Meta(min_l
 
 
 class ReadoutKeys(Table):
-    """[readout]."""
-
     gain: Positive
     drive_v: Positive
     stray_pf: Annotated[float, Meta(ge=0, le=1e6)]
@@ -64,8 +62,6 @@ class ReadoutKeys(Table):
 
 
 class Crosstalk(Table, tag_field="kind", tag="crosstalk"):
-    """[world] of kind crosstalk."""
-
     gains: Annotated[tuple[Annotated[float, Meta(ge=1, le=1e6)], ...], Meta(min_length=1)]
     unselected_pf: _Farads
     leak_mohm: _Ohms
@@ -87,16 +83,12 @@ class Cell(Table, tag_field="kind", tag="cell"):
 
 
 class Select(Table, tag_field="kind", tag="select"):
-    """[world] of kind select."""
-
     force_g: Positive
     step_mm: Annotated[float, Meta(ge=0.01, le=1)]
     cells: Annotated[int, Meta(ge=2, le=5)]
 
 
 class Shapes(Table, tag_field="kind", tag="shapes"):
-    """[world] of kind shapes."""
-
     pressure_g_mm2: Positive
     shapes: list[str]
     even_g: Annotated[float, Meta(ge=1, le=150)]
@@ -110,8 +102,6 @@ class Shapes(Table, tag_field="kind", tag="shapes"):
 
 
 class Keys(base.Keys):
-    """The file of a scene of the pad."""
-
     readout: ReadoutKeys
     world: Crosstalk | Cell | Select | Shapes
 
@@ -186,7 +176,6 @@ class Recording(base.Recording):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     keys, own = base.read(name, table, Keys)
     readout = values(keys.readout)
     full_v = readout["full_scale_v"]
@@ -197,7 +186,6 @@ def build(name, table):
         readout=readout,
         carrier=carrier,
         adc=Adc(readout["bits"], -full_v, full_v, readout["noise_v"]),
-        kind=type(keys.world).__struct_config__.tag,
         world=values(keys.world),
     )
 
@@ -341,17 +329,14 @@ CALIBRATED_BY = {"cell": ("probe",), "select": ("probe",), "shapes": ("probe", "
 
 
 def uses(scene):
-    """The features that the scene uses, each with the reason."""
     return {name: FEATURES[name] for name in list(FEATURES)[: _USED[scene.kind]]}
 
 
 def modelled(scene):
-    """The parts of the physics that the scene has."""
     return _MODELLED.get(scene.kind, _PAD)
 
 
 def memory(scene):
-    """(bytes of the largest arrays, what they hold)."""
     world, frames = scene.world, _CALIBRATED
     if scene.kind == "crosstalk":
         points = len(world["gains"]) * len(world["unselected_pf"])
@@ -377,9 +362,5 @@ def simulate(scene, seed=0):
             parts[way] = world.probed(EVERY_CELL, CALIBRATION_G, CALIBRATION_FRAMES)
     parts |= _KINDS[scene.kind](world, scene)
     return Recording(
-        scene=scene,
-        seed=seed,
-        parts=parts,
-        over_range=world.over_range,
-        modelled=modelled(scene),
+        scene=scene, seed=seed, parts=parts, over_range=world.over_range, modelled=modelled(scene)
     )

@@ -3,16 +3,7 @@
 import numpy as np
 from matplotlib.patches import Rectangle
 
-from meissner.scenes.drawing import (
-    BLUE,
-    GREEN,
-    INK,
-    MAP,
-    ORANGE,
-    RED,
-    new_figure,
-    save,
-)
+from meissner.scenes.drawing import BLUE, GREEN, INK, MAP, ORANGE, RED, new_figure, save
 
 
 def _image(axis, values, top, title):

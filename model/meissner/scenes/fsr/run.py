@@ -126,7 +126,6 @@ def run(scene, engine, seed, waves=None, progress=list):
 
 
 def tell(summary):
-    """The lines to print of a summary."""
     found = "as injected" if summary["dead_as_injected"] else "not all as injected"
     rates = [
         f"{word}: {interval.words(summary[key], 'cells')}"

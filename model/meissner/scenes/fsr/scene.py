@@ -1,6 +1,6 @@
 """Scenes of a matrix of force-sensing resistors: forces, network, faults, and the ground truth."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -33,8 +33,6 @@ _BYTES = 80  # per cell of a frame: forces, conductances, volts, codes, in doubl
 
 
 class ArrayKeys(Table):
-    """[array]."""
-
     RENAMED: ClassVar = {"min_load_n": ("[cop] min_load_n", 1)}
     rows: Side
     columns: Side
@@ -45,8 +43,6 @@ class ArrayKeys(Table):
 
 
 class ReadoutKeys(Table):
-    """[readout]."""
-
     circuit: str
     unselected: str
     supply_v: Positive
@@ -98,8 +94,6 @@ _OF_LINES = {"dead row": RowFault, "open column": ColumnFault}
 
 
 class Keys(base.Keys):
-    """The file of a scene of a resistive matrix."""
-
     rate_hz: Count
     array: ArrayKeys
     cop: Cop
@@ -167,7 +161,6 @@ def _fault(where, row, rows, columns):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     keys, own = base.read(name, table, Keys)
     array, converter, supply_v = keys.array, keys.converter, keys.readout.supply_v
     size, at = (array.rows, array.columns), f"scene {name}, [[faults]]"
@@ -216,12 +209,10 @@ class _World:
 
 
 def modelled(scene):
-    """The parts of the physics that the scene has."""
     return COMPONENTS if scene.faults else COMPONENTS[:-1]
 
 
 def memory(scene):
-    """(bytes of the largest arrays, what they hold)."""
     presses = CALIBRATION_STEPS * CALIBRATION_FRAMES + EVEN_FRAMES
     frames = presses + scene.world["seconds"] * scene.rate_hz
     cells = scene.rows * scene.columns
@@ -248,13 +239,7 @@ def simulate(scene, seed=0):
     readings = {}
     for circuit in fsr.CIRCUITS:
         for unselected in fsr.UNSELECTED:
-            readout = fsr.Readout(
-                circuit,
-                unselected,
-                scene.readout.supply_v,
-                scene.readout.driver_ohm,
-                scene.readout.load_ohm,
-            )
+            readout = replace(scene.readout, circuit=circuit, unselected=unselected)
             readings[circuit, unselected] = fsr.output_volts(siemens[shown], readout)
     return Recording(
         scene=scene,

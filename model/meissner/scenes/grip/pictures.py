@@ -4,17 +4,7 @@ import numpy as np
 
 from meissner.engines import COP_ONE
 from meissner.physics.grip import FULL_SCALE_V
-from meissner.scenes.drawing import (
-    BLUE,
-    GREEN,
-    INK,
-    ORANGE,
-    PURPLE,
-    RED,
-    lighten,
-    new_figure,
-    save,
-)
+from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED, lighten, new_figure, save
 
 
 def draw(recording, found, decisions, verdict, path):

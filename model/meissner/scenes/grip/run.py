@@ -199,8 +199,6 @@ def _arrays(recording, found, decisions):
 
 
 def tell(summary):
-    """The lines to print of a summary."""
-
     def mean(key, scale=1.0):
         return "none" if summary[key] is None else f"{scale * summary[key]['mean']:.3g}"
 

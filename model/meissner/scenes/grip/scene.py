@@ -1,10 +1,11 @@
 """Scenes of an object held on the four-wire sensor: pulled until it slips, or gripped harder and softer."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
 from msgspec import Meta
+from msgspec.structs import replace
 
 from meissner.builds import four_wires
 from meissner.builds.cop_tables import CopSlipKeys
@@ -34,8 +35,8 @@ COMPONENTS = tuple(WHY)
 _BYTES = 32  # per taxel of a sample: loads applied and felt
 
 
-class PullKeys(Table):
-    """[[world.pulls]]."""
+class Pull(Table):
+    """[[world.pulls]]: held with ``grip_n`` and pulled; ``direction_deg``: counter-clockwise from +x."""
 
     name: str
     grip_n: Positive
@@ -47,8 +48,8 @@ class PullKeys(Table):
         one_of("material", self.material, plate.MATERIALS)
 
 
-class GripKeys(Table):
-    """[[world.grips]]."""
+class Grip(Table):
+    """[[world.grips]]: held with ``grip_n``, then with each of ``to_n`` in turn, with ramps of ``ramp_s``."""
 
     name: str
     grip_n: Positive
@@ -57,8 +58,6 @@ class GripKeys(Table):
 
 
 class World(Table):
-    """[world]."""
-
     press_s: Positive
     rest_s: Positive
     after_s: Positive
@@ -66,13 +65,11 @@ class World(Table):
     pitch_mm: Positive
     cover_pitches: Positive
     cover_mm: Annotated[float, Meta(ge=0, le=100)]
-    pulls: Annotated[list[PullKeys], Meta(min_length=1)]
-    grips: Annotated[list[GripKeys], Meta(min_length=1)]
+    pulls: Annotated[list[Pull], Meta(min_length=1)]
+    grips: Annotated[list[Grip], Meta(min_length=1)]
 
 
 class Keys(base.Keys):
-    """The file of a scene of an object on the four-wire sensor."""
-
     RENAMED: ClassVar = {"slip": ("[cop_slip]", 1)}
     rate_hz: Count
     seeds: Count
@@ -81,27 +78,6 @@ class Keys(base.Keys):
     load: four_wires.Load
     cop_slip: CopSlipKeys
     world: World
-
-
-@dataclass(frozen=True)
-class Pull:
-    """A condition: held with ``grip_n`` and pulled; ``direction_deg``: counter-clockwise from +x."""
-
-    name: str
-    grip_n: float
-    direction_deg: float
-    speed_mm_s: float
-    material: str
-
-
-@dataclass(frozen=True)
-class Grip:
-    """A condition: held with ``grip_n``, then with each of ``to_n`` in turn, with ramps of ``ramp_s``."""
-
-    name: str
-    grip_n: float
-    ramp_s: float
-    to_n: tuple
 
 
 @dataclass(frozen=True)
@@ -141,7 +117,6 @@ class Recording(base.Recording):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     keys, own = base.read(name, table, Keys)
     mesh = keys.mesh.mesh(keys.mesh.r_ohm)
@@ -149,11 +124,8 @@ def build(name, table):
     with naming(f"{where}, [cop_slip]"):
         lag, registers = keys.cop_slip.codes(keys.rate_hz, config.load_lsb_n)
     world = values(keys.world)
-    conditions = [Pull(**values(row)) for row in world.pop("pulls")]
-    conditions += [Grip(**values(row)) for row in world.pop("grips")]
-    return Scene(
-        **own, config=config, lag=lag, registers=registers, world=world, conditions=tuple(conditions)
-    )
+    conditions = (*world.pop("pulls"), *world.pop("grips"))
+    return Scene(**own, config=config, lag=lag, registers=registers, world=world, conditions=conditions)
 
 
 def modelled(scene, conditions=None):
@@ -163,7 +135,6 @@ def modelled(scene, conditions=None):
 
 
 def memory(scene):
-    """(bytes of the largest arrays, what they hold)."""
     mesh = scene.config.mesh
     longest_s = max(scene.duration_s(condition) for condition in scene.conditions)
     samples, taxels = longest_s * scene.rate_hz, mesh.m * mesh.n

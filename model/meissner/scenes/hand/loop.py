@@ -15,7 +15,7 @@ from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
 from meissner.scenes.hand.host import Host
 from meissner.scenes.hand.scene import grasp
-from meissner.twins.actuate.finger_health import FingerHealth
+from meissner.twins.actuate.actuate import FingerHealth
 from meissner.twins.actuate.grip import Grip
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
@@ -280,10 +280,7 @@ def hold(scene, condition, seeds, parts):
     last_event = np.full(2 * runs, -(10**9))
     tight, false, faults = np.zeros((3, runs), dtype=np.int64)
     ratio, held, tug_ratio, tugged = np.zeros(runs), 0, np.zeros(runs), 0
-    lowest, highest = (
-        np.full((3, runs), np.inf),
-        np.full((3, runs), -np.inf),
-    )  # of displacement, sag, rings
+    lowest, highest = (np.full((3, runs), np.inf), np.full((3, runs), -np.inf))  # of displacement, sag, rings
     rows = []
     for cycle in range(cycles):
         time_s = cycle * condition.cycle_ms / 1e3

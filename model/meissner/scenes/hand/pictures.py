@@ -2,17 +2,7 @@
 
 import numpy as np
 
-from meissner.scenes.drawing import (
-    BLUE,
-    GREEN,
-    INK,
-    ORANGE,
-    PURPLE,
-    RED,
-    lighten,
-    new_figure,
-    save,
-)
+from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED, lighten, new_figure, save
 
 COLUMNS = 3000  # of the picture; with more cycles, each column has their least and greatest
 

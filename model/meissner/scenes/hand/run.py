@@ -1,6 +1,7 @@
 """Running a hand's scene in closed loop: each condition with its seeds; drops, slip and grip."""
 
 import time
+from dataclasses import fields
 from functools import partial
 from types import SimpleNamespace
 
@@ -24,18 +25,7 @@ SHOWN = (
 # An engine's part of the loop; both have the reflex in integers (docs/grip_scenes.md explains it).
 PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip)}
 PARTS |= {"rtl": loop.Cores, "gate": loop.Netlists}
-KEYS = (
-    "dropped",
-    "slip_mm",
-    "sag_mm",
-    "ring_mm",
-    "moved_mm",
-    "tightenings",
-    "false_tightenings",
-    "faults",
-    "ratio",
-    "tug_ratio",
-)
+KEYS = tuple(field.name for field in fields(loop.Held) if field.name not in ("trace", "mismatches"))
 WITHIN = 1.2  # times the least grip that friction allows: the target of the hold
 
 
@@ -121,7 +111,6 @@ def run(scene, engine, seed, waves, progress):
 
 
 def tell(summary):
-    """The lines to print of a summary."""
     first, last = summary["seeds"]
     lines = [
         f"{summary['runs']} runs, seeds {first} to {last} of each condition",

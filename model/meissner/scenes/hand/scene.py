@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from msgspec import UNSET, Meta, UnsetType
+from msgspec import Meta
 
 from meissner.builds.units import Units
 from meissner.physics import plate
@@ -13,7 +13,7 @@ from meissner.physics.rubber import SUPPLY_V
 from meissner.physics.slide import G_MM_S2
 from meissner.physics.stepped import HEAL_S
 from meissner.scenes import base
-from meissner.scenes.rubber.scene import Event
+from meissner.scenes.base import Event
 from meissner.tables import Positive, Share, Table, naming, one_of, values
 from meissner.twins.actuate.grip import BOOST_BITS, TOP, GripConfig
 from meissner.twins.slip.config import SlipConfig
@@ -76,27 +76,33 @@ class GripKeys(Table):
     calm_decay_share: Share = 0.0
 
 
-class ConditionKeys(Table):
-    """[[world.conditions]]; what is left out is as in Condition."""
+class Condition(Table):
+    """[[world.conditions]].
+
+    ``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
+    ``step_mm``, ``decay_mm_s``, ``duration_s`` replace the scene's, the step without ``boost``;
+    ``threshold_p2p_v``, too, and then stays constant. ``halves_s``: time at which friction halves;
+    ``dead_s``: time after which both converters give their highest code. ``count_mm``: millimetres per count
+    of the command. Finer counts span less: with ``down_mm`` the command's zero lies that far below the grip,
+    and all 16 bits are its range.
+    """
 
     RENAMED: ClassVar = {"threshold_v": ("threshold_p2p_v", 2)}
     name: str
     first_event: Event
     cycle_ms: Literal[CYCLES_MS]
-    heal_s: Annotated[float, Meta(ge=0.001, le=1e3)] | UnsetType = UNSET
-    step_mm: _Millimetre | UnsetType = UNSET
-    threshold_p2p_v: _Volts | UnsetType = UNSET
-    halves_s: _Seconds | UnsetType = UNSET
-    dead_s: _Seconds | UnsetType = UNSET
-    decay_mm_s: _Millimetre | UnsetType = UNSET
-    duration_s: Annotated[float, Meta(ge=0.1, le=1e4)] | UnsetType = UNSET
-    count_mm: Annotated[float, Meta(ge=1e-6, le=COUNT_MM)] | UnsetType = UNSET
-    down_mm: Annotated[float, Meta(ge=0, le=10)] | UnsetType = UNSET
+    heal_s: Annotated[float, Meta(ge=0.001, le=1e3)] = HEAL_S
+    step_mm: _Millimetre | None = None
+    threshold_p2p_v: _Volts | None = None
+    halves_s: _Seconds | None = None
+    dead_s: _Seconds | None = None
+    decay_mm_s: _Millimetre | None = None
+    duration_s: Annotated[float, Meta(ge=0.1, le=1e4)] | None = None
+    count_mm: Annotated[float, Meta(ge=1e-6, le=COUNT_MM)] = COUNT_MM
+    down_mm: Annotated[float, Meta(ge=0, le=10)] | None = None
 
 
 class World(Table):
-    """[world]."""
-
     mass_spread: _Spread
     friction_spread: _Spread
     pour_spread: _Spread
@@ -110,7 +116,7 @@ class World(Table):
     material: str
     grip_ratio: tuple[Annotated[float, Meta(ge=1, le=100)], Annotated[float, Meta(ge=1, le=100)]]
     tugs: list[tuple[_Seconds, _Seconds, _Seconds]]
-    conditions: Annotated[list[ConditionKeys], Meta(min_length=1)]
+    conditions: Annotated[list[Condition], Meta(min_length=1)]
 
     def __post_init__(self):
         one_of("material", self.material, plate.MATERIALS)
@@ -121,8 +127,6 @@ class World(Table):
 
 
 class Keys(base.SampledKeys):
-    """The file of a scene of a hand."""
-
     slip: SlipKeys
     grip: GripKeys
     world: World
@@ -131,31 +135,6 @@ class Keys(base.SampledKeys):
         super().__post_init__()
         if self.rate_hz % 1000:
             raise ValueError(f"rate_hz = {self.rate_hz} must be a multiple of 1000")
-
-
-@dataclass(frozen=True)
-class Condition:
-    """``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
-
-    ``step_mm``, ``decay_mm_s``, ``duration_s`` replace the scene's, the step without ``boost``;
-    ``threshold_p2p_v``, too, and then stays constant. ``halves_s``: time at which friction halves;
-    ``dead_s``: time after which both converters give their highest code. ``count_mm``: millimetres per count
-    of the command. Finer counts span less: with ``down_mm`` the command's zero lies that far below the grip,
-    and all 16 bits are its range.
-    """
-
-    name: str
-    first_event: float
-    cycle_ms: int
-    heal_s: float = HEAL_S
-    step_mm: float | None = None
-    decay_mm_s: float | None = None
-    threshold_p2p_v: float | None = None
-    halves_s: float | None = None
-    dead_s: float | None = None
-    duration_s: float | None = None
-    count_mm: float = COUNT_MM
-    down_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -232,12 +211,9 @@ class Scene(base.Sampled):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     keys, own = base.read(name, table, Keys)
     world = values(keys.world)
-    rows = [values(row) for row in world.pop("conditions")]
-    given = ({key: value for key, value in row.items() if value is not UNSET} for row in rows)
-    conditions = tuple(Condition(**row) for row in given)
+    conditions = tuple(world.pop("conditions"))
     scene = Scene(**own, slip=values(keys.slip), grip=values(keys.grip), world=world, conditions=conditions)
     for condition in conditions:
         with naming(f"scene {name}"):
@@ -246,13 +222,11 @@ def build(name, table):
 
 
 def modelled(scene):
-    """The parts of the physics that the scene has."""
     off = {"changing mass": not scene.world["poured_kg"], "tug": not scene.world["tugs"]}
     return tuple(part for part in COMPONENTS if not off.get(part))
 
 
 def memory(scene):
-    """(bytes of the largest arrays, what they hold)."""
     cycles = sum(1000 * scene.duration_s(one) / one.cycle_ms for one in scene.conditions)
     runs = min(AT_ONCE, scene.seeds)
     return _CYCLE_BYTES * cycles + _SAMPLE_BYTES * runs * scene.rate_hz, f"{cycles:.3g} control cycles"

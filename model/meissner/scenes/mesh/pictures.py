@@ -2,16 +2,7 @@
 
 import numpy as np
 
-from meissner.scenes.drawing import (
-    INK,
-    LINES,
-    ORANGE,
-    PURPLE,
-    breaks,
-    lighten,
-    new_figure,
-    save,
-)
+from meissner.scenes.drawing import INK, LINES, ORANGE, PURPLE, breaks, lighten, new_figure, save
 
 
 def _draw_points(figure, recordings, runs):

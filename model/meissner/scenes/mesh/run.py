@@ -168,7 +168,6 @@ def run(scene, engine, seed, waves, progress):
 
 
 def tell(summary):
-    """The lines to print of a summary."""
     count = f"{summary['runs']} run{'s' if summary['runs'] > 1 else ''}, one for each r"
     lines = [
         f"{count}, seed {summary['seed']}",

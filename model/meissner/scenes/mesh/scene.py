@@ -45,22 +45,16 @@ class Moved(Table):
 
 
 class Pressed(Table):
-    """[[world.points]] of kind pulse."""
-
     at: tuple[_Unit, _Unit]
     force_n: tuple[_Newtons]
 
 
 class Points(Table, tag_field="kind", tag="points"):
-    """[world] of kind points."""
-
     steps: _Steps
     points: Annotated[list[Moved], Meta(min_length=1)]
 
 
 class Random(Table, tag_field="kind", tag="random"):
-    """[world] of kind random."""
-
     count: Count
     draws: _Steps
     totals_n: Annotated[tuple[Annotated[float, Meta(ge=1e-6, le=1e6)], ...], Meta(min_length=1)]
@@ -68,8 +62,6 @@ class Random(Table, tag_field="kind", tag="random"):
 
 
 class Pulse(Table, tag_field="kind", tag="pulse"):
-    """[world] of kind pulse."""
-
     seconds: Positive
     start_s: Positive
     pulse_s: Positive
@@ -92,8 +84,6 @@ class Stroke(Table, tag_field="kind", tag="stroke"):
 
 
 class Keys(base.Keys):
-    """The file of a scene of the mesh."""
-
     rate_hz: Count
     mesh: MeshKeys
     converter: four_wires.NoisyConverter
@@ -146,7 +136,6 @@ def _taxel(where, scene_rows, scene_columns, at):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     keys, own = base.read(name, table, Keys)
     mesh, world = keys.mesh, values(keys.world)
@@ -164,7 +153,6 @@ def build(name, table):
         columns=mesh.columns,
         r_ohm=tuple(mesh.r_ohm),
         configs=tuple(configs),
-        kind=type(keys.world).__struct_config__.tag,
         world=world,
     )
 
@@ -209,13 +197,11 @@ def electrodes(solution):
 
 
 def modelled(scene):
-    """The parts of the physics that the scene has."""
     added = {"random": (COMPONENTS[3],), "pulse": (COMPONENTS[4],), "stroke": (COMPONENTS[5],)}
     return COMPONENTS[:3] + added.get(scene.kind, ())
 
 
 def memory(scene):
-    """(bytes of the largest arrays, what they hold)."""
     world, taxels = scene.world, scene.rows * scene.columns
     if scene.kind == "random":
         samples = world["draws"] * len(world["totals_n"])

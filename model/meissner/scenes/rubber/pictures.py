@@ -14,6 +14,7 @@ from meissner.scenes.drawing import (
     RED,
     SKY,
     envelope,
+    lighten,
     new_figure,
     put_title,
     save,
@@ -119,16 +120,15 @@ def draw_slip(
         for first, last in _runs(recording.moving):
             force.axvspan(time_s[first], time_s[last - 1], color=SKY, alpha=0.25, lw=0)
         force.set_ylim(0, 1.15 * recording.normal_n.max())
-        for axis in rows[:, column]:
-            axis.spines[["top", "right"]].set_visible(False)
+        band.spines[["top", "right"]].set_visible(False)
+        band.margins(x=0)
+        for axis in (vc, detail, p2p, force):
             axis.margins(x=0)
-            for _, when_s, look in marks if axis is not band else ():
+            for _, when_s, look in marks:
                 if window[0] <= when_s <= window[1]:
                     axis.axvline(when_s, **look)
-            if axis is not band:
-                axis.grid(color="#E6E6E6", lw=0.6)
-                axis.set_axisbelow(True)
-                axis.yaxis.set_major_locator(MaxNLocator(5))
+            lighten(axis)
+            axis.yaxis.set_major_locator(MaxNLocator(5))
         force.set_xlim(window)
     for axis in rows[:, 0]:
         axis.axvspan(*zoom_s, color="#000000", alpha=0.06, lw=0)

@@ -110,7 +110,7 @@ def partial_slip(pull, condition, time_s, rate_hz, rng):
 
 
 def simulate(scene, condition=0, seed=0):
-    """Run one condition (a Condition, its name or its number) with one seed."""
+    """Run one condition (itself, its name or its number) with one seed."""
     condition = scene.condition(condition)
     number = scene.conditions.index(condition)
     rng = np.random.default_rng([seed, number])

@@ -89,7 +89,6 @@ def _seconds(value):
 
 
 def tell(summary):
-    """The lines to print of a summary."""
     lines = []
     if summary["pins"]:
         pins = summary["pins"]
@@ -144,6 +143,6 @@ def _draw(recording, watched, config, verdict, path):
         detail_v=detail[0] * volts,
         p2p_v=watched.p2p[0] * volts,
         state=watched.state[0],
-        threshold_v=recording.scene.peak_to_peak_v(),
+        threshold_v=recording.scene.slip.threshold_p2p_v,
         flag_s=verdict["flag_s"],
     )

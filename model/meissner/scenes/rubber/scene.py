@@ -1,11 +1,11 @@
 """Scenes of the pressure-conductive rubber: a plate pressed on it, and pulled until it slips.
 
 ``kind``: press: load and unload; pull: under a steady normal force; grip: a pull under a normal force that
-follows it. Optional keys of a condition (Condition) are off if they are not given.
+follows it. Optional keys of a condition are off if they are not given.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from msgspec import Meta
 
@@ -13,22 +13,26 @@ from meissner.builds.slip_table import SlipOfScene
 from meissner.builds.units import of_scene
 from meissner.physics import plate, rubber
 from meissner.scenes import base
+from meissner.scenes.base import Event
 from meissner.scenes.rubber import recording
 from meissner.scenes.rubber.recording import COMPONENTS, WHY, Recording, simulate
 from meissner.tables import Positive, Table, naming, one_of, values
 from meissner.twins.slip.config import SlipConfig
 
-__all__ = ["COMPONENTS", "WHY", "Condition", "Recording", "Scene", "build", "simulate"]
+__all__ = ["COMPONENTS", "WHY", "Recording", "Scene", "build", "simulate"]
 
 FEATURES = {"slip": "its flag is judged against the truth"}
 _BYTES = 400  # per sample: times, volts, forces, details, decisions, as int64 and double
-Event = Annotated[float, Meta(ge=0, le=0.9)]  # above 0.9, a slip may have no event
 Burst = Annotated[float, Meta(ge=1, le=50)]
 
 
 class Press(Table):
-    """[[world.conditions]] of kind press, with the disturbances of every kind."""
+    """[[world.conditions]] of kind press, with the disturbances of every kind (physics.disturbances).
 
+    ``hum_v``: amplitude; ``flicker``: rms of G in a decade; ``hysteresis``: of force, loading to unloading.
+    """
+
+    burst: ClassVar[float] = 1.0
     name: str
     normal_n: Positive
     hum_v: Annotated[float, Meta(ge=0, le=5)] = 0.0
@@ -37,8 +41,13 @@ class Press(Table):
 
 
 class Pull(Press, kw_only=True):
-    """Of kind pull."""
+    """Of kind pull.
 
+    ``first_event``: share of the friction limit from which Vc shows events; ``recovers``: share of the shear
+    step that recovers (both physics.rubber); ``burst``: mean number of events in a burst.
+    """
+
+    follow: ClassVar[float] = 0.0
     speed_mm_s: Positive
     material: str
     first_event: Event = rubber.ONSET_RATIO
@@ -50,7 +59,7 @@ class Pull(Press, kw_only=True):
 
 
 class Grip(Pull, kw_only=True):
-    """Of kind grip."""
+    """Of kind grip. ``follow``: newtons that the grip rises by for each newton pulled."""
 
     follow: float
 
@@ -85,45 +94,16 @@ class _Pulled(Table):
 
 
 class PullWorld(_Pulled, tag_field="kind", tag="pull"):
-    """[world] of kind pull."""
-
     conditions: Annotated[list[Pull], Meta(min_length=1)]
 
 
 class GripWorld(_Pulled, tag_field="kind", tag="grip"):
-    """[world] of kind grip."""
-
     conditions: Annotated[list[Grip], Meta(min_length=1)]
 
 
 class Keys(base.SampledKeys):
-    """The file of a scene of the rubber."""
-
     slip: SlipOfScene
     world: PressWorld | PullWorld | GripWorld
-
-
-@dataclass(frozen=True)
-class Condition:
-    """One row of a sweep. ``speed_mm_s`` and ``material`` only where a plate is pulled.
-
-    ``follow``: newtons that the grip rises by for each newton pulled. ``first_event``: share of the friction
-    limit from which Vc shows events; ``recovers``: share of the shear step that recovers (both
-    physics.rubber); ``burst``: mean number of events in a burst; ``hum_v``: amplitude; ``flicker``: rms of G
-    in a decade; ``hysteresis``: of the force, loading to unloading (all physics.disturbances).
-    """
-
-    name: str
-    normal_n: float
-    speed_mm_s: float = 0.0
-    material: str | None = None
-    follow: float = 0.0
-    first_event: float = rubber.ONSET_RATIO
-    recovers: float = rubber.RESTORED
-    burst: float = 1.0
-    hum_v: float = 0.0
-    flicker: float = 0.0
-    hysteresis: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -155,34 +135,26 @@ class Scene(base.Sampled):
         )
         return world["stage_start_s"] + rise_s + world["slide_s"]
 
-    def peak_to_peak_v(self):
-        """The threshold on max cD - min cD."""
-        return self.slip.threshold_p2p_v
-
     def slip_config(self) -> SlipConfig:
         """The slip detector's settings in codes and details."""
         return self.slip.codes(of_scene(self))
 
 
 def modelled(scene):
-    """The parts of the physics that the scene has."""
     found = {part for one in scene.conditions for part in recording.modelled(scene.kind, one)}
     return [part for part in WHY if part in found]
 
 
 def memory(scene):
-    """(bytes of the largest arrays, what they hold)."""
     samples = sum(scene.duration_s(condition) for condition in scene.conditions) * scene.rate_hz
     return _BYTES * samples, f"{samples:.3g} samples of the shown runs"
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     keys, own = base.read(name, table, Keys)
     world = values(keys.world)
-    conditions = tuple(Condition(**values(row)) for row in world.pop("conditions"))
-    kind = type(keys.world).__struct_config__.tag
-    scene = Scene(**own, slip=keys.slip, kind=kind, world=world, conditions=conditions)
+    conditions = tuple(world.pop("conditions"))
+    scene = Scene(**own, slip=keys.slip, world=world, conditions=conditions)
     with naming(f"scene {name}, [slip]"):
         scene.slip_config()
     return scene

@@ -13,10 +13,8 @@ import numpy as np
 from meissner.physics import rubber
 
 STEP_V = {0.05: 1.4, 0.1: 1.6, 1.0: 2.1}  # table 1, both: mm/s, volts, from 2 V, 0.3 mm
-SENSOR_STEP_V = 1.5  # sensor, fig. 3: at 0.05 mm/s
 FIT = {2: (0.99, 0.12), 3: (0.75, 0.11), 4: (0.45, 0.11)}  # table 2, both: initial volts: k, n
 LINE = {"k0": 1.55, "k1": -0.27, "n": 0.11}  # CoP slip, eq. 1, 2; journal, eq. 4, 5
-DEVIATION_V = 0.04  # journal, 4.1: at most, of three measurements at each distance
 SHEARED_MM = 0.3  # of the speed tests
 CONVERGED_V = 3.0  # CoP slip, IV: about, from 2 V
 SLOWEST_MM_S = 0.01

@@ -138,7 +138,6 @@ _TELL = {"step_v": _amount, "k0": _speed, "restored_after_v": _recover, "stick_s
 
 
 def tell(summary):
-    """The lines to print of a summary."""
     of_kind = next(lines for key, lines in _TELL.items() if key in summary)
     first, last = summary["seeds"]
     what = "before a slip" if "stick_slips" in summary else "where nothing slips"

@@ -16,8 +16,8 @@ from meissner.builds.slip_table import SlipOfScene
 from meissner.builds.units import of_scene
 from meissner.physics import plate, rubber
 from meissner.scenes import base
+from meissner.scenes.base import Event
 from meissner.scenes.rubber.recording import partial_slip
-from meissner.scenes.rubber.scene import Event
 from meissner.scenes.shear.published import SLOWEST_MM_S
 from meissner.tables import Positive, Share, Table, naming, one_of, values
 
@@ -66,8 +66,6 @@ class AtSpeeds(Sheared, tag="speed"):
 
 
 class Way(Table):
-    """[[world.ways]] of kind recover."""
-
     name: str
     recovers: Share
     lot: Annotated[float, Meta(ge=0.1, le=10)]
@@ -75,14 +73,10 @@ class Way(Table):
 
 
 class Recovering(Sheared, tag="recover"):
-    """[world] of kind recover."""
-
     ways: Annotated[list[Way], Meta(min_length=1)]
 
 
 class PulledWay(Table):
-    """[[world.ways]] of kind stick_slip."""
-
     name: str
     material: str
     first_event: Event
@@ -101,8 +95,6 @@ class Pulled(Sheared, tag="stick_slip"):
 
 
 class Keys(base.SampledKeys):
-    """The file of a scene of sheared rubber."""
-
     slip: SlipOfScene
     world: Sheared | AtSpeeds | Recovering | Pulled
 
@@ -180,17 +172,14 @@ def _cases(ways, world):
 
 
 def uses(scene):
-    """The features that the scene uses, each with the reason."""
     return {name: why for name, why in FEATURES.items() if name == "slip" or scene.kind == "speed"}
 
 
 def modelled(scene):
-    """The parts of the physics that the scene has."""
     return COMPONENTS[: None if scene.kind == "stick_slip" else 6]
 
 
 def memory(scene):
-    """(bytes of the largest arrays, what they hold)."""
     world = scene.world
     shears_s = sum(case.moved_mm / case.speed_mm_s for case in scene.cases)
     samples = scene.rate_hz * (shears_s + len(scene.cases) * (world["shear_start_s"] + world["held_s"]))
@@ -209,13 +198,12 @@ def check_supply(scene):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     keys, own = base.read(name, table, Keys)
-    kind, world = type(keys.world).__struct_config__.tag, values(keys.world)
+    world = values(keys.world)
     ways = [values(way) for way in world.pop("ways", [])] or [{"name": ""}]
     slope = {key: world.pop(key) for key in _SLOPE} if isinstance(keys.world, Pulled) else None
     cases = _cases(ways, world)
-    scene = Scene(**own, slip=keys.slip, kind=kind, world=world, cases=cases, slope=slope)
+    scene = Scene(**own, slip=keys.slip, world=world, cases=cases, slope=slope)
     for case in scene.cases:
         if _shear_samples(scene, case) < 10:
             raise ValueError(f"scene {name}, [world]: the shear of {case.name} is shorter than 10 samples")

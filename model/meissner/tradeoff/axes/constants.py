@@ -5,6 +5,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
+from msgspec import structs
 
 from meissner import scenes
 from meissner.tradeoff.axes import slip
@@ -31,7 +32,7 @@ def _recorded(name, point, change):
         with changed(change) if change else nullcontext():
             return slip.recorded(name, point)
     scene, found = slip.scene_of(name, point), []
-    conditions = tuple(replace(one, first_event=change.first) for one in scene.conditions)
+    conditions = tuple(structs.replace(one, first_event=change.first) for one in scene.conditions)
     scene = replace(scene, conditions=conditions)
     for number in range(point["runs"]):
         one = scenes.simulate(scene, 0, 1 + number)

@@ -5,8 +5,7 @@ import numpy as np
 from meissner.physics import mesh_loads
 from meissner.tradeoff.axis import Axis, Figure
 from meissner.twins.common.divide import steps
-from meissner.twins.cop.cop_accumulate import moments
-from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.cop.cop import cop_divide, moments
 
 SIDE, CONTACTS, SEED = 64, 6, 1
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from msgspec import structs
 
 from meissner import interval, scenes
 from meissner.scenes.hand import loop
@@ -17,7 +18,7 @@ FINE = {"count_mm": 2e-5, "down_mm": 0.5}  # lets the hand release by 0.02 mm/s 
 
 def error(point):
     scene = scenes.load(SCENE)
-    first = replace(scene.conditions[0], name="swept", cycle_ms=point["cycle_ms"], **FINE)
+    first = structs.replace(scene.conditions[0], name="swept", cycle_ms=point["cycle_ms"], **FINE)
     grip = scene.grip | {key: point[key] for key in ("step_share", "boost")}
     scene = replace(scene, grip=grip, conditions=(first,))
     held = loop.hold(scene, first, range(1, 1 + point["runs"]), PARTS["fixed"])

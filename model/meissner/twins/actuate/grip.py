@@ -12,6 +12,8 @@ command             = goal limited to [minimum, maximum] and to a change of at m
 from dataclasses import dataclass, fields
 from numbers import Integral
 
+from meissner.twins.shared import fits, one_of, within
+
 COMMAND_BITS = 16
 PERIOD_BITS = 24
 TIMER_BITS = 16
@@ -55,21 +57,18 @@ class GripConfig:
     boost: int = 0
 
     def __post_init__(self):
-        tops = dict.fromkeys(("step", "decay", "minimum", "maximum", "rate"), TOP)
-        tops |= {"speed_gain": (1 << GAIN_BITS) - 1, "watchdog": (1 << TIMER_BITS) - 1}
-        tops |= {"period": (1 << PERIOD_BITS) - 1, "boost": (1 << BOOST_BITS) - 1}
-        lows = {"period": MIN_PERIOD, "watchdog": 1}
-        for name, top in tops.items():
-            value, low = getattr(self, name), lows.get(name, 0)
+        limits = dict.fromkeys(("step", "decay", "minimum", "maximum", "rate"), (0, TOP))
+        limits |= {"speed_gain": (0, (1 << GAIN_BITS) - 1), "watchdog": (1, (1 << TIMER_BITS) - 1)}
+        limits |= {"period": (MIN_PERIOD, (1 << PERIOD_BITS) - 1), "boost": (0, (1 << BOOST_BITS) - 1)}
+        for name in limits:
+            value = getattr(self, name)
             if not isinstance(value, Integral) or isinstance(value, bool):
                 raise ValueError(f"{name} = {value} must be an integer")
-            if not low <= value <= top:
-                raise ValueError(f"{name} = {value} must lie in {low} .. {top}")
+        fits(self, **limits)
         if self.minimum > self.maximum:
             raise ValueError(f"minimum = {self.minimum} must not be above maximum = {self.maximum}")
-        for name, names in (("rule", RULES), ("mode", MODES)):
-            if getattr(self, name) not in names:
-                raise ValueError(f"{name} = {getattr(self, name)!r} must be one of {', '.join(names)}")
+        one_of(RULES, rule=self.rule)
+        one_of(MODES, mode=self.mode)
         if not isinstance(self.immediate, bool):
             raise ValueError(f"immediate = {self.immediate} must be true or false")
 
@@ -106,11 +105,10 @@ class Grip:
     """
 
     def __init__(self, config=None, fingers=2, start=None):
-        if not 1 <= fingers <= MAX_FINGERS:
-            raise ValueError(f"fingers = {fingers} must lie in 1 .. {MAX_FINGERS}")
+        within(fingers=(fingers, 1, MAX_FINGERS))
         self.config, self.fingers, self.start = config or GripConfig(), int(fingers), start
-        if start is not None and not self.config.minimum <= start <= self.config.maximum:
-            raise ValueError(f"start = {start} must lie in {self.config.minimum} .. {self.config.maximum}")
+        if start is not None:
+            within(start=(start, self.config.minimum, self.config.maximum))
         self.reset()
 
     def reset(self):
@@ -133,8 +131,8 @@ class Grip:
         """A shear speed of ``finger``, valid until the next one; None: the estimator flags it as invalid."""
         if not 0 <= finger < self.fingers:
             return
-        if speed is not None and not 0 <= speed < 1 << SPEED_BITS:
-            raise ValueError(f"speed = {speed} must lie in 0 .. {(1 << SPEED_BITS) - 1}")
+        if speed is not None:
+            within(speed=(speed, 0, (1 << SPEED_BITS) - 1))
         term = 0 if speed is None else self.config.speed_gain * int(speed) >> SPEED_SHIFT
         self._speed_term[finger] = min(term, TOP)
 
@@ -205,8 +203,7 @@ class Grip:
             if len(values) != self.fingers:
                 raise ValueError(f"{name} has {len(values)} values for {self.fingers} fingers")
         for finger, (count, windows, v) in enumerate(zip(over, seen, speed)):
-            if not 0 <= count <= windows:
-                raise ValueError(f"over = {count} must lie in 0 .. {windows}, the windows seen")
+            within(over=(count, 0, windows))
             self.report(finger, v)
             for n in range(int(windows)):
                 self.decision(finger, n < count)

@@ -1,14 +1,15 @@
-"""Bit-exact twin of rtl/common/msn_delay.sv: a delay of a fixed number of steps."""
+"""Bit-exact twins of rtl/common/msn_delay.sv and msn_sync.sv: values a fixed number of steps later."""
 
 import numpy as np
 
+from meissner.twins.shared import Stream, within
 
-class Delay:
+
+class Delay(Stream):
     """out = in, ``depth`` steps ago. The outputs of the first ``depth`` steps are undefined."""
 
     def __init__(self, depth):
-        if depth < 1:
-            raise ValueError(f"depth = {depth} must be at least 1")
+        within(depth=(depth, 1, None))
         self.depth = depth
         self.reset()
 
@@ -22,7 +23,24 @@ class Delay:
         self._past = line[len(line) - self.depth :]
         return line[: len(line) - self.depth]
 
-    def process(self, x):
-        """``reset`` and then ``next``."""
+
+LATENCY = 2
+
+
+class Sync:
+    """out[n] = in[n-2]; in the first two clocks the output is what the flip-flops held: here 0."""
+
+    def __init__(self, width=1):
+        within(width=(width, 1, None))
         self.reset()
-        return self.next(x)
+
+    def reset(self):
+        self.held = [0] * LATENCY
+
+    def next(self, x):
+        """Clock in one value and return the output of the same clock."""
+        self.held.append(int(x))
+        return self.held.pop(0)
+
+    def process(self, x):
+        return np.array([self.next(value) for value in np.asarray(x)], dtype=np.int64)

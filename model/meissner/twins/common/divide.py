@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from meissner.twins.shared import one_of, within
+
 
 def steps(fraction_bits=14, bits_per_clock=2):
     """Digits (clocks) of one division; its latency and its shortest period are one clock more."""
-    if not 1 <= fraction_bits <= 30:
-        raise ValueError(f"fraction_bits = {fraction_bits} must lie in 1 .. 30")
-    if bits_per_clock not in (1, 2):
-        raise ValueError(f"bits_per_clock = {bits_per_clock} must be 1 or 2")
+    within(fraction_bits=(fraction_bits, 1, 30))
+    one_of((1, 2), bits_per_clock=bits_per_clock)
     return fraction_bits + 1 if bits_per_clock == 1 else (fraction_bits + 3) // 2
 
 

@@ -6,6 +6,7 @@ from math import isqrt
 import numpy as np
 
 from meissner.twins.common.log2 import ENTRY_BITS, TABLE_BITS, table
+from meissner.twins.shared import within
 
 
 @cache
@@ -40,10 +41,7 @@ def exp2(y, table_bits=6, fraction_bits=16, out_bits=24, out_fraction=20):
     0.0601/4^table_bits too high; rounding (lsb = 2^-fraction_bits) adds lsb/8 + 2^-29 to both sides and
     lsb/4 more below. At the default: -0.00000573 .. +0.0000166.
     """
-    if not 2 <= out_bits <= 32:
-        raise ValueError(f"out_bits = {out_bits} must lie in 2 .. 32")
-    if not 0 <= out_fraction <= 32:
-        raise ValueError(f"out_fraction = {out_fraction} must lie in 0 .. 32")
+    within(out_bits=(out_bits, 2, 32), out_fraction=(out_fraction, 0, 32))
     t, d = table(finest(), table_bits, fraction_bits)
     y = np.asarray(y, dtype=np.int64)
     f = y & (1 << fraction_bits) - 1

@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 
 def latency(bits=24, exact=True):
     """Clocks from the numbers to their magnitude; also the shortest period between two."""
-    if not 1 <= bits <= 30:
-        raise ValueError(f"bits = {bits} must lie in 1 .. 30")
+    within(bits=(bits, 1, 30))
     return 3 * bits + 1 if exact else 3
 
 

@@ -4,6 +4,8 @@ from functools import cache
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 TABLE_BITS = 8  # index bits of the finest table; smaller tables take every second, fourth .. entry
 ENTRY_BITS = 28  # fraction bits of its entries
 REST_BITS = 17  # at most, for the place between two entries
@@ -11,13 +13,8 @@ REST_BITS = 17  # at most, for the place between two entries
 
 def check_bits(table_bits, fraction_bits):
     """Raise ValueError unless the RTL can be built with this table and this fraction."""
-    if not 3 <= table_bits <= TABLE_BITS:
-        raise ValueError(f"table_bits = {table_bits} must lie in 3 .. {TABLE_BITS}")
-    if not table_bits < fraction_bits <= table_bits + 14:
-        low, high = table_bits + 1, table_bits + 14
-        raise ValueError(
-            f"fraction_bits = {fraction_bits} must lie in table_bits + 1 .. + 14 = {low} .. {high}"
-        )
+    within(table_bits=(table_bits, 3, TABLE_BITS))
+    within(fraction_bits=(fraction_bits, table_bits + 1, table_bits + 14))
 
 
 @cache
@@ -64,8 +61,7 @@ def log2(x, in_bits=27, table_bits=6, fraction_bits=16):
     sides and lsb/4 more below. Bits of r beyond 17 are dropped, which adds 1.4427/2^(table_bits + 17) below.
     At the default: -0.0000576 .. +0.0000096.
     """
-    if not table_bits + 2 <= in_bits <= 48:
-        raise ValueError(f"in_bits = {in_bits} must lie in table_bits + 2 .. 48")
+    within(in_bits=(in_bits, table_bits + 2, 48))
     t, d = table(finest(), table_bits, fraction_bits)
     x = np.maximum(np.asarray(x, dtype=np.int64), 1)
     e = sum(((x >> k) > 0).astype(np.int64) for k in range(1, in_bits))

@@ -3,16 +3,14 @@
 import numpy as np
 
 from meissner.twins.common.divide import divide
+from meissner.twins.shared import within
 
 BITS = {"scale_bits": (1, 32), "num_bits": (2, 32), "den_bits": (2, 62)}
 
 
 def check_bits(**bits):
     """Raise ValueError unless the RTL can be built with these widths."""
-    for name, value in bits.items():
-        low, high = BITS[name]
-        if not low <= value <= high:
-            raise ValueError(f"{name} = {value} must lie in {low} .. {high}")
+    within(**{name: (value, *BITS[name]) for name, value in bits.items()})
 
 
 def ratio(scale, num, den, fraction_bits=14):
@@ -24,5 +22,5 @@ def ratio(scale, num, den, fraction_bits=14):
         raise ValueError("the scale must not be negative")
     num, den = np.broadcast_arrays(np.asarray(num, dtype=np.int64), np.asarray(den, dtype=np.int64))
     product = np.asarray(scale, dtype=np.int64) * num
-    within = (product < den) & (product >= -den)
-    return divide(np.where(within, product, np.sign(product)), np.where(within, den, 1), fraction_bits)
+    inside = (product < den) & (product >= -den)
+    return divide(np.where(inside, product, np.sign(product)), np.where(inside, den, 1), fraction_bits)

@@ -1,12 +1,15 @@
-"""Bit-exact twin of rtl/cop/msn_cop4.sv: position and load from the codes of the four electrodes."""
+"""Bit-exact twins of rtl/cop/msn_cop4.sv, position and load from the codes of the four electrodes, and of
+msn_electrodes.sv, which passes complete frames of them."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meissner.twins.common.ratio import ratio
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, cop4_correct
+from meissner.twins.shared import fits, within
 
 SCALE_BITS = 17  # of kx, ky, kf
 LOAD_BITS = 16
@@ -14,8 +17,7 @@ LOAD_BITS = 16
 
 def check_sample_bits(sample_bits):
     """Raise ValueError unless the RTL can be built for samples of this many bits."""
-    if not 4 <= sample_bits <= 24:
-        raise ValueError(f"sample_bits = {sample_bits} must lie in 4 .. 24")
+    within(sample_bits=(sample_bits, 4, 24))
 
 
 def check_samples(samples, sample_bits):
@@ -62,23 +64,20 @@ class Cop4Registers:
         limits |= dict.fromkeys(("idle", "busy"), (-half, half - 1))
         limits |= {"rail": (0, 2 * half - 1), "top": (0, half - 1), "imbalance": (0, 4 * half - 1)}
         limits |= {"min_load": (0, (1 << LOAD_BITS) - 1)}
-        for name, value in asdict(self).items():
-            low, high = limits[name]
-            if not low <= value <= high:
-                raise ValueError(f"{name} = {value} must lie in {low} .. {high}")
+        fits(self, **limits)
 
 
 class Cop4(NamedTuple):
     """Results [n]: ``x``, ``y`` int32 Q2.14, ``load`` int64 LSBs, flags bool; bit 0 of ``open`` is E1."""
 
-    x: np.ndarray
-    y: np.ndarray
-    load: np.ndarray
-    pressed: np.ndarray
-    over: np.ndarray
-    saturated: np.ndarray
-    imbalance: np.ndarray
-    open: np.ndarray
+    x: NDArray[np.int32]
+    y: NDArray[np.int32]
+    load: NDArray[np.int64]
+    pressed: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    saturated: NDArray[np.bool_]
+    imbalance: NDArray[np.bool_]
+    open: NDArray[np.int64]
 
 
 def totals(samples, registers):
@@ -144,3 +143,18 @@ def cop4(samples, registers, sample_bits=17, correction=None):
             )
         den = cop4_correct(x, y, n, d, correction)
     return results(samples, registers, x, y, ratio(registers.kf, n, den, LOAD_BITS))
+
+
+def electrodes(beats, sample_bits=17):
+    """([(e1, e2, e3, e4)] of complete frames, number of damaged ones) of ``beats``: (data, id, last)."""
+    within(sample_bits=(sample_bits, 2, None))
+    found, frame, lost = [], [], 0
+    for data, channel, last in beats:
+        frame.append((channel, data))
+        if last:
+            whole = [channel for channel, _ in frame] == [0, 1, 2, 3]
+            found += [tuple(data for _, data in frame)] if whole else []
+            lost += not whole
+            frame = []
+    whole_so_far = [channel for channel, _ in frame] == list(range(len(frame))) and len(frame) < 4
+    return found, lost + (not whole_so_far)

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meissner.twins.shared import fits
+
 COORDINATE_BITS = 14  # x, y are Q2.14
 SQUARE_BITS = 16  # X, Y unsigned, 1.0 = 65536
 COEFFICIENT_BITS = 18  # signed registers
@@ -39,8 +41,7 @@ def check_correction(registers):
     """Raise ValueError unless ``registers`` (CorrectionRegisters) fit the hardware's operands."""
     if len(registers.p) != 6 or sum(abs(p) for p in registers.p) >= SUM_TOP:
         raise ValueError(f"p = {registers.p} must be six numbers whose magnitudes add to less than {SUM_TOP}")
-    if not LOAD_SHIFT <= registers.shift <= LOAD_SHIFT + SHIFT_TOP:
-        raise ValueError(f"shift = {registers.shift} must lie in {LOAD_SHIFT} .. {LOAD_SHIFT + SHIFT_TOP}")
+    fits(registers, shift=(LOAD_SHIFT, LOAD_SHIFT + SHIFT_TOP))
 
 
 def cop4_correct(x, y, n, d, registers):

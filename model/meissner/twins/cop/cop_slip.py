@@ -1,9 +1,12 @@
 """Bit-exact twin of rtl/cop/msn_cop_slip.sv: slip from the total load and the centre of pressure."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+
+from meissner.twins.shared import Stream, fits, within
 
 PLACE, LOAD = (-32768, 32767), (0, 65535)  # ranges of the RTL's inputs
 
@@ -22,12 +25,12 @@ class CopSlipRegisters:
 class CopSlipResult(NamedTuple):
     """[n] each: ``slip``, ``raised``, ``over`` bool; ``dx``, ``dy`` Q2.14 over the lag; ``octant`` 0 .. 7."""
 
-    slip: np.ndarray
-    raised: np.ndarray
-    over: np.ndarray
-    dx: np.ndarray
-    dy: np.ndarray
-    octant: np.ndarray
+    slip: NDArray[np.bool_]
+    raised: NDArray[np.bool_]
+    over: NDArray[np.bool_]
+    dx: NDArray[np.int64] | NDArray[np.float64]  # of engine float with fractions
+    dy: NDArray[np.int64] | NDArray[np.float64]
+    octant: NDArray[np.int64]
 
 
 def octants(dx, dy):
@@ -39,7 +42,7 @@ def octants(dx, dy):
     return np.where(flat, np.where(left, 4, 0), np.where(upright, np.where(down, 6, 2), diagonal))
 
 
-class CopSlip:
+class CopSlip(Stream):
     """Slip from samples of x, y (Q2.14), load and whether they are valid (pressed).
 
         over = (old - new) 256 > drop old  and  max(|dx|, |dy|) >= move    dx = x - old x, dy = y - old y
@@ -50,14 +53,9 @@ class CopSlip:
     """
 
     def __init__(self, lag=16, registers=CopSlipRegisters(), timer_bits=16):
-        if not 1 <= lag <= 4096:
-            raise ValueError(f"lag = {lag} samples must lie in 1 .. 4096")
-        if not 1 <= timer_bits <= 31:
-            raise ValueError(f"timer_bits = {timer_bits} must lie in 1 .. 31")
+        within(lag=(lag, 1, 4096), timer_bits=(timer_bits, 1, 31))
         widths = {"drop": 8, "move": 16, "min_load": 16, "hold": timer_bits, "refractory": timer_bits}
-        for name, value in asdict(registers).items():
-            if not 0 <= value < 1 << widths[name]:
-                raise ValueError(f"{name} = {value} must lie in 0 .. {(1 << widths[name]) - 1}")
+        fits(registers, **{name: (0, (1 << width) - 1) for name, width in widths.items()})
         self.lag, self.registers = lag, registers
         self.reset()
 
@@ -70,11 +68,7 @@ class CopSlip:
         """Feed samples, [n] each; returns a ``CopSlipResult``."""
         r = self.registers
         new = np.stack([np.asarray(a, dtype=np.int64) for a in (x, y, load, pressed)])
-        for values, name, low, high in (
-            (new[0], "x", *PLACE),
-            (new[1], "y", *PLACE),
-            (new[2], "load", *LOAD),
-        ):
+        for values, name, (low, high) in zip(new, ("x", "y", "load"), (PLACE, PLACE, LOAD)):
             if values.size and not low <= values.min() <= values.max() <= high:
                 raise ValueError(f"{name} must lie in {low} .. {high}")
         line = np.concatenate([self._past, new], axis=1)
@@ -96,8 +90,3 @@ class CopSlip:
                 self._deaf = max(0, self._deaf - 1)
             slip[index], raised[index] = self._slipping, self._slipping and not before
         return CopSlipResult(slip, raised, over, dx, dy, octants(dx, dy))
-
-    def process(self, x, y, load, pressed):
-        """``reset`` and then ``next``."""
-        self.reset()
-        return self.next(x, y, load, pressed)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from meissner.twins.frontend import adc_store
 from meissner.twins.frontend.adc_spi import MCP3208, AdcSpi
+from meissner.twins.shared import fits
 
 
 @dataclass(frozen=True)
@@ -20,13 +21,11 @@ class AdcSingle:
     sample_bits: int = 13
 
     def __post_init__(self):
-        if not 0 <= self.channel <= 7:
-            raise ValueError(f"channel = {self.channel} must lie in 0 .. 7")
+        fits(self, channel=(0, 7))
         AdcSpi(MCP3208, 1, 1, self.clk_khz, self.sclk_khz, self.sample_bits)  # checks these
         if self.clk_khz < self.bit_clocks * MCP3208.sclk_min_khz:
             raise ValueError(f"sclk_khz = {self.sclk_khz} is too slow: the sample droops before it is out")
-        if self.period < self.minimum_period:
-            raise ValueError(f"period = {self.period} must be at least {self.minimum_period}")
+        fits(self, period=(self.minimum_period, None))
 
     @property
     def bit_clocks(self):

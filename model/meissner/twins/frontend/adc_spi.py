@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from meissner.twins.frontend import adc_store, spi_shift
+from meissner.twins.shared import fits
 
 ROUND_TRIP_NS = 7
 HOLD_NS = 25
@@ -90,20 +91,13 @@ class AdcSpi:
             raise ValueError(f"part = {part} must be one of msn_pkg::adc_part_e")
         if self.sclk_khz is None:
             object.__setattr__(self, "sclk_khz", part.sclk_default_khz)
-        if not 1 <= self.channels <= 8:
-            raise ValueError(f"channels = {self.channels} must lie in 1 .. 8")
-        if not 1 <= self.lanes <= part.max_lanes:
-            raise ValueError(f"lanes = {self.lanes} must lie in 1 .. {part.max_lanes}")
+        fits(self, channels=(1, 8), lanes=(1, part.max_lanes))
         if self.lanes > 1 and self.channels <= part.lane_channels:
             raise ValueError(f"lanes = {self.lanes} must be 1: one lane has all {self.channels} channels")
-        if not 1 <= self.clk_khz <= 400_000:
-            raise ValueError(f"clk_khz = {self.clk_khz} must lie in 1 .. 400000")
-        if not 1 <= self.sclk_khz <= part.sclk_max_khz:
-            raise ValueError(f"sclk_khz = {self.sclk_khz} must lie in 1 .. {part.sclk_max_khz}")
+        fits(self, clk_khz=(1, 400_000), sclk_khz=(1, part.sclk_max_khz))
         if self.clk_khz < 2 * self.half * part.sclk_min_khz:
             raise ValueError(f"sclk_khz = {self.sclk_khz} is too slow: the sample droops before it is out")
-        if not 1 <= self.period_bits <= 32:
-            raise ValueError(f"period_bits = {self.period_bits} must lie in 1 .. 32")
+        fits(self, period_bits=(1, 32))
         self.samples([])  # checks sample_bits
 
     @property

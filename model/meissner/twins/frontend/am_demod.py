@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meissner.twins.common import hypot
+from meissner.twins.shared import fits, one_of, within
 
 RECTIFIER, IQ, IQ_FAST = range(3)
 
@@ -31,22 +32,14 @@ class AmDemod:
     skip_bits: int = 8
 
     def __post_init__(self):
-        if self.form not in (RECTIFIER, IQ, IQ_FAST):
-            raise ValueError(f"form = {self.form} must be one of 0, 1, 2")
-        if self.samples_per_period not in WEIGHTS:
-            raise ValueError(f"samples_per_period = {self.samples_per_period} must be 4, 8 or 16")
-        if not 1 <= self.lanes <= 8:
-            raise ValueError(f"lanes = {self.lanes} must lie in 1 .. 8")
-        if not self.lanes <= self.channels <= 65536:
-            raise ValueError(f"channels = {self.channels} must lie in lanes .. 65536")
-        if not 4 <= self.sample_bits <= 18:
-            raise ValueError(f"sample_bits = {self.sample_bits} must lie in 4 .. 18")
+        one_of((RECTIFIER, IQ, IQ_FAST), form=self.form)
+        one_of(WEIGHTS, samples_per_period=self.samples_per_period)
+        fits(self, lanes=(1, 8), channels=(self.lanes, 65536), sample_bits=(4, 18))
         if self.period_bits < 1 or self.sum_bits > 29:
             raise ValueError(
                 f"period_bits = {self.period_bits} must be at least 1, and the sums at most 29 bits"
             )
-        if not 1 <= self.skip_bits <= 32:
-            raise ValueError(f"skip_bits = {self.skip_bits} must lie in 1 .. 32")
+        fits(self, skip_bits=(1, 32))
 
     @property
     def sum_bits(self):
@@ -99,8 +92,7 @@ class AmDemod:
             raise ValueError(f"{x.shape[-1]} samples are not 1 .. 2**{self.period_bits} periods of {n}")
         if (x < -limit).any() or (x >= limit).any():
             raise ValueError(f"a sample does not fit {self.sample_bits} bits")
-        if not 0 <= shift <= 31:
-            raise ValueError(f"shift = {shift} must lie in 0 .. 31")
+        within(shift=(shift, 0, 31))
         x = x.reshape(*x.shape[:-1], -1, n)
         if self.form == RECTIFIER:
             halves = x[..., n // 2 :] - x[..., : n // 2]

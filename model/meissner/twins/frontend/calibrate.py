@@ -1,21 +1,17 @@
-"""Bit-exact twin of rtl/frontend/msn_calibrate.sv, msn_taxel_table.sv and msn_grid_table.sv: forces from an
-array's samples, with a word a taxel or by row and column."""
+"""Bit-exact twins of rtl/frontend/msn_calibrate.sv, msn_taxel_table.sv and msn_grid_table.sv: forces from an
+array's samples, by taxel or by row and column; msn_calibration_preset.sv: the tables' words after reset."""
 
 import numpy as np
 
-from meissner.twins.common.round_sat import round_sat
+from meissner.twins.common.arithmetic import round_sat
+from meissner.twins.shared import LANES, one_of, within
 
 
 def check_array(rows, columns, lanes, sample_bits):
     """Raise ValueError for a size at which no stage of an array elaborates."""
-    if not 1 <= rows <= 1024:
-        raise ValueError(f"rows = {rows} must lie in 1 .. 1024")
-    if not 1 <= columns <= 1024:
-        raise ValueError(f"columns = {columns} must lie in 1 .. 1024")
-    if lanes not in (1, 2, 4, 8):
-        raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
-    if not 2 <= sample_bits <= 18:
-        raise ValueError(f"sample_bits = {sample_bits} must lie in 2 .. 18")
+    within(rows=(rows, 1, 1024), columns=(columns, 1, 1024))
+    one_of(LANES, lanes=lanes)
+    within(sample_bits=(sample_bits, 2, 18))
 
 
 class TaxelTable:
@@ -69,8 +65,7 @@ class TaxelTable:
         limit = 1 << (self.offset_bits - 1)
         if not -limit <= offset < limit:
             raise ValueError(f"offset = {offset} must fit {self.offset_bits} signed bits")
-        if not 0 <= gain < 1 << 16:
-            raise ValueError(f"gain = {gain} must lie in 0 .. 65535")
+        within(gain=(gain, 0, (1 << 16) - 1))
         return (int(offset) if self.offset else 0), int(gain)
 
 
@@ -110,8 +105,7 @@ def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bit
 
     ``mask``: taxels that give 0. ``gain_bits``: 16, or 32 for a row's gain times a column's.
     """
-    if not 1 <= gain_shift <= gain_bits:
-        raise ValueError(f"gain_shift = {gain_shift} must lie in 1 .. {gain_bits}")
+    within(gain_shift=(gain_shift, 1, gain_bits))
     difference = np.asarray(raw, dtype=np.int64) - offset
     if mask is not None:
         difference = np.where(mask, 0, difference)
@@ -169,3 +163,17 @@ class Calibrate:
         if not self.table.loaded:
             gain = np.zeros_like(gain)
         return forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
+
+
+ROW_GAIN = 4096
+
+
+def preset(rows, columns, lanes, gain, row_column=False):
+    """(row, word, offset, gain) of every write, each to all lanes of its word; then the banks are swapped."""
+    one_of(LANES, lanes=lanes)
+    row_beats = -(-columns // lanes)
+    if not row_column:
+        return [(False, word, 0, gain) for word in range(rows * row_beats)]
+    return [(False, word, 0, gain) for word in range(row_beats)] + [
+        (True, row, 0, ROW_GAIN) for row in range(rows)
+    ]

@@ -1,4 +1,5 @@
-"""Bit-exact twin of rtl/frontend/msn_health.sv: finds taxels that cannot be trusted."""
+"""Bit-exact twins of rtl/frontend/msn_health.sv, which finds taxels that cannot be trusted, and
+msn_health_report.sv: events of beats to reports of single taxels."""
 
 from dataclasses import dataclass
 
@@ -6,6 +7,7 @@ import numpy as np
 
 from meissner.twins.frontend.calibrate import check_array
 from meissner.twins.frontend.health_taxel import BLINKING, DEAD, RAILED, State, judge
+from meissner.twins.shared import LANES, Stream, fits, one_of
 
 # Slices of an array with a border of one: each taxel, and its left, right, upper and lower neighbours.
 HERE = (slice(1, -1), slice(1, -1))
@@ -28,12 +30,10 @@ class Limits:
     blink: int = 64
 
     def __post_init__(self):
-        for name in ("still", "rail", "blink"):
-            if not 0 <= getattr(self, name) <= 255:
-                raise ValueError(f"{name} = {getattr(self, name)} must lie in 0 .. 255")
+        fits(self, still=(0, 255), rail=(0, 255), blink=(0, 255))
 
 
-class Health:
+class Health(Stream):
     """Finds dead, railed and blinking taxels in a stream of frames.
 
         moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
@@ -94,11 +94,6 @@ class Health:
             masks[frame] = self._mask()
             events.append(self._learn(raw[frame], over[frame], None, True))
         return masks, events
-
-    def process(self, raw, over=None):
-        """``reset`` and then ``next``."""
-        self.reset()
-        return self.next(raw, over)
 
     def beat(self, raw, over, id_, last, fits=True):
         """One beat as FrameMarker passes it: its mask, and the events of the frame that it ends."""
@@ -182,3 +177,15 @@ class Health:
             padded[:, : self.columns] = bits if seen is None else bits & seen
             words.append(padded.reshape(-1, self.lanes) @ (1 << np.arange(self.lanes)))
         return [(int(beat), *(int(word[beat]) for word in words[1:])) for beat in np.flatnonzero(words[0])]
+
+
+def reports(events, lanes):
+    """(taxel, faults) of ``events``: (id of the beat, dead, railed, blinking), a bit for each lane."""
+    one_of(LANES, lanes=lanes)
+    found = []
+    for beat, dead, railed, blinking in events:
+        for lane in range(lanes):
+            kinds = ((dead, DEAD), (railed, RAILED), (blinking, BLINKING))
+            faults = sum(kind for bits, kind in kinds if bits >> lane & 1)
+            found += [(beat * lanes + lane, faults)] if faults else []
+    return found

@@ -11,6 +11,7 @@ import numpy as np
 from meissner.twins.frontend import scan_buffer
 from meissner.twins.frontend.scan_buffer import ScanBuffer
 from meissner.twins.frontend.scan_plan import ScanPlan
+from meissner.twins.shared import fits
 
 PIN_CLOCKS = 1  # from trigger_o to the converter's pin
 LATENCY = 2 + scan_buffer.LATENCY  # clocks from the last lane's sample to the beat at the output
@@ -25,8 +26,7 @@ class Scan(ScanPlan):
 
     def __post_init__(self):
         super().__post_init__()
-        if self.sample_bits < 2:
-            raise ValueError(f"sample_bits = {self.sample_bits} must be at least 2")
+        fits(self, sample_bits=(2, None))
         width = self.lanes * (self.sample_bits + 1)
         buffer = ScanBuffer(self.rows, self.beats, self.channels, width, self.depth)
         object.__setattr__(self, "buffer", buffer)

@@ -1,6 +1,6 @@
 """Twin of rtl/frontend/msn_scan_adc.sv: a scan with its converters, and the time of each of its steps."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from meissner.twins.frontend import scan
 from meissner.twins.frontend.adc_spi import AD7606, AdcSpi, Part
@@ -21,6 +21,8 @@ class ScanAdc:
     sclk_khz: int | None = None
     sample_bits: int = 17
     depth: int | None = None
+    adc: AdcSpi = field(init=False, repr=False, compare=False)
+    scan: Scan = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         adc = AdcSpi(

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from meissner.twins.shared import fits
+
 LATENCY = 3  # clocks from in_valid_i to out_valid_o
 
 
@@ -16,10 +18,7 @@ class ScanBuffer:
     depth: int | None = None  # None: a complete frame
 
     def __post_init__(self):
-        if self.rows < 1 or self.beats < 1:
-            raise ValueError(f"rows = {self.rows} and beats = {self.beats} must be at least 1")
-        if self.width < 1:
-            raise ValueError(f"width = {self.width} must be at least 1")
+        fits(self, rows=(1, None), beats=(1, None), width=(1, None))
         if self.depth is None:
             object.__setattr__(self, "depth", self.rows * self.beats)
         if not self.sorts and (self.depth < 4 * self.burst or self.depth & self.depth - 1):

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.twins.frontend import burst, scan
+from meissner.twins.frontend import scan, timing
 from meissner.twins.frontend.adc_spi import MAX11123, AdcSpi, Part
 from meissner.twins.frontend.am_demod import IQ, AmDemod
 from meissner.twins.frontend.scan import Scan
+from meissner.twins.shared import LANES, fits, one_of
 
 
 @dataclass(frozen=True)
@@ -31,17 +32,8 @@ class ScanDemod:
     def __post_init__(self):
         if self.part.has_busy:
             raise ValueError(f"part = {self.part.name} must convert without BUSY")
-        if self.converters not in (1, 2, 4, 8):
-            raise ValueError(f"converters = {self.converters} must be 1, 2, 4 or 8")
-        if self.periods < 1:
-            raise ValueError(f"periods = {self.periods} must be at least 1")
-        if self.skip < 0:
-            raise ValueError(f"skip = {self.skip} must not be negative")
-        cycle = self.adc.cycle_clocks()
-        if self.sample_period < cycle:
-            raise ValueError(
-                f"sample_period = {self.sample_period} must be at least the converter's {cycle} clocks"
-            )
+        one_of(LANES, converters=self.converters)
+        fits(self, periods=(1, None), skip=(0, None), sample_period=(self.adc.cycle_clocks(), None))
         assert self.demod and self.scan  # constructing them checks their parameters
 
     @property
@@ -51,7 +43,7 @@ class ScanDemod:
     @property
     def count(self):
         """Samples of a burst."""
-        return burst.samples(self.skip, self.periods, self.samples_per_period)
+        return timing.samples(self.skip, self.periods, self.samples_per_period)
 
     @property
     def demod(self):

@@ -5,6 +5,8 @@ Clocks count from the first clock in which the block is enabled.
 
 from dataclasses import dataclass
 
+from meissner.twins.shared import LANES, fits, one_of
+
 START = 4  # the first clock in which a line may be switched
 
 
@@ -40,23 +42,12 @@ class ScanPlan:
     period_bits: int = 32
 
     def __post_init__(self):
-        for name, low, high in (
-            ("rows", 1, 1024),
-            ("columns", 1, 1024),
-            ("channels", 1, 8),
-            ("hold", 2, None),
-            ("settle_bits", 1, 24),
-            ("period_bits", 1, 32),
-        ):
-            value = getattr(self, name)
-            if value < low or (high is not None and value > high):
-                raise ValueError(f"{name} = {value} must lie in {low} .. {high}")
-        if self.lanes not in (1, 2, 4, 8):
-            raise ValueError(f"lanes = {self.lanes} must be 1, 2, 4 or 8")
+        fits(self, rows=(1, 1024), columns=(1, 1024), channels=(1, 8), hold=(2, None))
+        fits(self, settle_bits=(1, 24), period_bits=(1, 32))
+        one_of(LANES, lanes=self.lanes)
         if self.groups > 1 and self.channels not in (1, 2, 4, 8):
             raise ValueError(f"channels = {self.channels} must be 1, 2, 4 or 8 with {self.groups} groups")
-        if self.cycle < self.channels + 8:
-            raise ValueError(f"cycle = {self.cycle} must be at least channels + 8")
+        fits(self, cycle=(self.channels + 8, None))
 
     @property
     def beats(self):

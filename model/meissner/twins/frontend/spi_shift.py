@@ -2,12 +2,11 @@
 
 import numpy as np
 
+from meissner.twins.shared import within
+
 
 def check(bits, data_bits, half):
-    if half < 1:
-        raise ValueError(f"half = {half} must be at least 1")
-    if not 2 <= data_bits <= bits:
-        raise ValueError(f"data_bits = {data_bits} must lie in 2 .. bits")
+    within(half=(half, 1, None), data_bits=(data_bits, 2, bits))
 
 
 def word(line, data_bits):

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from meissner.twins.common.round_sat import round_sat
+from meissner.twins.common.arithmetic import round_sat
 from meissner.twins.frontend.calibrate import check_array
+from meissner.twins.shared import Stream, within
 
 
-class Tare:
+class Tare(Stream):
     """Subtracts each taxel's own zero b from its samples; finds b, and tracks it while nothing presses.
 
         r = raw - o   o = floor(b + 1/2)   contact = r > contact    b in steps of 2^-fraction_bits codes,
@@ -22,16 +23,12 @@ class Tare:
         self, rows, columns, lanes=1, sample_bits=17, fraction_bits=12, tare_log2=4, contact=64, step=1
     ):
         check_array(rows, columns, lanes, sample_bits)
-        if not 1 <= fraction_bits <= 16:
-            raise ValueError(f"fraction_bits = {fraction_bits} must lie in 1 .. 16")
-        if not 0 <= tare_log2 <= min(fraction_bits, 8):
-            raise ValueError(f"tare_log2 = {tare_log2} must be at most 8 and fraction_bits = {fraction_bits}")
+        within(fraction_bits=(fraction_bits, 1, 16), tare_log2=(tare_log2, 0, min(fraction_bits, 8)))
+        within(step=(step, 0, 255))
         if sample_bits + fraction_bits < 9:  # b overshoots by at most a step of 255
             raise ValueError(
                 f"sample_bits = {sample_bits} and fraction_bits = {fraction_bits} must add to 9 or more"
             )
-        if not 0 <= step <= 255:
-            raise ValueError(f"step = {step} must lie in 0 .. 255")
         self.rows, self.columns, self.lanes, self.sample_bits = rows, columns, lanes, sample_bits
         self.fraction_bits, self.tare_log2, self.contact, self.step = fraction_bits, tare_log2, contact, step
         self.row_beats = -(-columns // lanes)
@@ -93,11 +90,6 @@ class Tare:
             out[frame] = self._take(slice(None), padded[frame], masked[frame], True)
             self._end(True)
         return out.reshape(wide)[:, :, : self.columns]
-
-    def process(self, raw, mask=None):
-        """``reset`` and then ``next``."""
-        self.reset()
-        return self.next(raw, mask)
 
     def beat(self, raw, id_, last, mask, fits=True):
         """One beat as FrameMarker passes it: r of its ``lanes``, 0 if it does not fit; None while loading."""

@@ -4,6 +4,7 @@ import struct
 import zlib
 
 from meissner.twins.link.cobs import decode, stuff
+from meissner.twins.shared import one_of, within
 
 READ, WRITE = 0, 1
 DONE, BUS_ERROR, NO_ANSWER = 0, 1, 2
@@ -11,10 +12,8 @@ DONE, BUS_ERROR, NO_ANSWER = 0, 1, 2
 
 def command(operation, tag, address, data=0):
     """The bytes of a request for an access."""
-    if operation not in (READ, WRITE):
-        raise ValueError(f"operation = {operation} must be 0 or 1")
-    if not 0 <= address < 4096:
-        raise ValueError(f"address = {address} must lie in 0 .. 4095")
+    one_of((READ, WRITE), operation=operation)
+    within(address=(address, 0, 4095))
     body = struct.pack("<BBHI", operation, tag & 255, address, data)
     return stuff(body + struct.pack("<I", zlib.crc32(body)))
 

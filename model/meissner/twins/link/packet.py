@@ -1,9 +1,25 @@
-"""Bit-exact twin of rtl/link/msn_packet.sv: the core's packets and their payloads."""
+"""Bit-exact twins of rtl/link/msn_packet.sv: the core's packets and their payloads; msn_packet_slip.sv: those
+of slip events of one channel; msn_crc32.sv: CRC-32, ISO-HDLC."""
 
 import struct
 import zlib
 
-from meissner.twins.link.image_chunks import cut
+from meissner.twins.link.images import cut
+from meissner.twins.shared import within
+
+START, RESIDUE = 0xFFFFFFFF, 0xDEBB20E3
+
+
+def crc32(values, bits=8, start=START):
+    """The register after ``values`` of ``bits`` bits each, lowest first; the checksum is its complement."""
+    within(bits=(bits, 1, 32))
+    crc = start
+    for value in values:
+        for place in range(bits):
+            feedback = (crc ^ value >> place) & 1
+            crc = crc >> 1 ^ (0xEDB88320 if feedback else 0)
+    return crc
+
 
 SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
 KNOWN = (SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER)
@@ -50,3 +66,14 @@ def image_chunks(number, taxels, chunk=64):
         head = struct.pack("<BBI", number & 255, final, first)[:5]
         payloads.append(head + struct.pack(f"<{len(part)}H", *part))
     return payloads
+
+
+def packets(events, p2p_bits=24):
+    """The packets of ``events``: tuples of time (of the convert start, clocks since reset), p2p, state."""
+    within(p2p_bits=(p2p_bits, 1, 24))
+    if any(not 0 <= p2p < 1 << p2p_bits for _, p2p, _ in events):
+        raise ValueError(f"a peak-to-peak does not fit {p2p_bits} bits")
+    return [
+        packet(SLIP, number, time, slip_event(0, p2p, state))
+        for number, (time, p2p, state) in enumerate(events)
+    ]

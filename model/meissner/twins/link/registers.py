@@ -6,6 +6,7 @@ the register keeps the written bytes, but a read and the core get the value satu
 """
 
 from meissner.twins.link.register_map import GROUPS
+from meissner.twins.shared import one_of, within
 
 
 def settings():
@@ -39,9 +40,10 @@ def reset_word(values, widths=None):
         name = f"{group.name}.{register.name}" + ("" if field.name == "value" else f".{field.name}")
         value = int(left.pop(name)) if name in left else None
         least, most = field.ends(widths[field.held_to] if widths and field.held_to else None)
-        if value is not None and not least <= value <= most:
-            raise ValueError(f"{name} = {value} must lie in {least} .. {most}")
-        value = field.reset if value is None else value
+        if value is None:
+            value = field.reset
+        else:
+            within(**{name: (value, least, most)})
         word |= (value & field.most) << at
         at += field.width
     if left:
@@ -104,14 +106,11 @@ class Registers:
     """
 
     def __init__(self, features=None, resets=None, widths=None):
-        for name, bits in (widths or {}).items():
-            if not 1 <= bits <= WIDTHS[name]:
-                raise ValueError(f"{name} = {bits} bits must lie in 1 .. {WIDTHS[name]}")
+        within(**{name: (bits, 1, WIDTHS[name]) for name, bits in (widths or {}).items()})
         self.widths = WIDTHS | (widths or {})
         known = [group.name for group in GROUPS if group.feature]
         for name in features or ():
-            if name not in known:
-                raise ValueError(f"feature {name!r} must be one of: {', '.join(known)}")
+            one_of(known, feature=name)
         self._groups = [g for g in GROUPS if not g.feature or features is None or g.name in features]
         self._bits = sum(1 << bit for bit, name in enumerate(known) if features is None or name in features)
         self.addresses = {register.address for g in self._groups for register in g.registers}

@@ -4,8 +4,7 @@ faults."""
 import numpy as np
 
 from meissner.twins.cop import cop
-from meissner.twins.cop.cop_accumulate import CopAccumulate
-from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.cop.cop import CopAccumulate, cop_divide
 from meissner.twins.frontend.calibrate import Calibrate
 from meissner.twins.frontend.calibrate import latency as calibrate_latency
 from meissner.twins.frontend.health import Health

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, fields
 from numbers import Integral
 
+from meissner.twins.shared import fits, one_of, within
+
 MAX_CHANNELS = 4096
 SAMPLE_BITS = 17
 TIMER_BITS = 16
@@ -10,8 +12,17 @@ TIMER_BITS = 16
 
 def check_channels(channels):
     """Raise ValueError for a number of channels with which the blocks of the slip path cannot be built."""
-    if not 1 <= channels <= MAX_CHANNELS:
-        raise ValueError(f"channels = {channels} must lie in 1 .. {MAX_CHANNELS}")
+    within(channels=(channels, 1, MAX_CHANNELS))
+
+
+def register_limits(config, detail_bits, timer_bits):
+    """{setting: (lowest, highest)} of the registers of ``detail_bits`` and ``timer_bits`` bits."""
+    limits = dict.fromkeys(("threshold", "gross_threshold"), (0, (1 << detail_bits) - 1))
+    if config.keep_threshold is not None:
+        limits["keep_threshold"] = limits["threshold"]
+    level = 1 << detail_bits - 1
+    limits |= dict.fromkeys(("contact_level", "release_level"), (-level, level - 1))
+    return limits | dict.fromkeys(("hold", "refractory", "blank"), (0, (1 << timer_bits) - 1))
 
 
 @dataclass(frozen=True)
@@ -44,8 +55,7 @@ class SlipConfig:
         for name in given:
             if not isinstance(getattr(self, name), Integral):
                 raise ValueError(f"{name} = {getattr(self, name)} must be an integer")
-        if self.level not in (1, 2, 3):
-            raise ValueError(f"level = {self.level} must be 1, 2 or 3")
+        one_of((1, 2, 3), level=self.level)
         step = 1 << self.level
         if self.window < 4 or self.window & (self.window - 1):
             raise ValueError(f"window = {self.window} must be a power of two, 4 or more")
@@ -55,20 +65,7 @@ class SlipConfig:
             raise ValueError(
                 f"hop = {self.hop} must be a multiple of {step} from {step} to the window, {self.window}"
             )
-        detail_bits = SAMPLE_BITS + self.level  # the registers of the RTL
-        thresholds = [name for name in ("threshold", "gross_threshold", "keep_threshold") if name in given]
-        for name in (*thresholds, "hold", "refractory", "blank"):
-            if getattr(self, name) < 0:
-                raise ValueError(f"{name} = {getattr(self, name)} must not be negative")
-        limits = dict.fromkeys(thresholds, 1 << detail_bits)
-        limits |= dict.fromkeys(("contact_level", "release_level"), 1 << (detail_bits - 1))
-        limits |= dict.fromkeys(("hold", "refractory", "blank"), 1 << TIMER_BITS)
-        for name, limit in limits.items():
-            if getattr(self, name) >= limit:
-                raise ValueError(f"{name} = {getattr(self, name)} must be below {limit}")
-        for name in ("contact_level", "release_level"):
-            if getattr(self, name) < -limits[name]:
-                raise ValueError(f"{name} = {getattr(self, name)} must not be below -{limits[name]}")
+        fits(self, **register_limits(self, SAMPLE_BITS + self.level, TIMER_BITS))
 
     @property
     def settings(self):

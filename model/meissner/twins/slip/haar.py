@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from meissner.twins.shared import Stream, one_of
 from meissner.twins.slip.config import check_channels
 
 
@@ -15,8 +16,7 @@ def haar(x, level=1, mask=None):
     with the same sign, a_l is sqrt(2)**l times cA; neither is ever rounded. ``level``: 1, 2 or 3.
     ``mask``: samples not to be trusted; their groups (``masked_groups``) give 0 and 0.
     """
-    if level not in (1, 2, 3):
-        raise ValueError(f"level = {level} must be 1, 2 or 3")
+    one_of((1, 2, 3), level=level)
     total = np.asarray(x, dtype=np.int64)
     for _ in range(level):
         pairs = total.shape[-1] // 2
@@ -35,7 +35,7 @@ def masked_groups(mask, level=1):
     return mask[..., : groups << level].reshape(*mask.shape[:-1], groups, 1 << level).any(axis=-1)
 
 
-class Haar:
+class Haar(Stream):
     """``haar`` in chunks: ``next`` takes [channels, n] samples and keeps those of an unfinished group."""
 
     def __init__(self, channels=1, level=1):
@@ -55,8 +55,3 @@ class Haar:
         whole = x.shape[1] >> self.level << self.level
         self._rest = x[:, whole:]
         return haar(x[:, :whole], self.level)
-
-    def process(self, x):
-        """``reset`` and then ``next``: all of ``x`` in one call."""
-        self.reset()
-        return self.next(x)

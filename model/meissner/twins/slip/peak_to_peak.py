@@ -1,9 +1,11 @@
-"""Bit-exact twin of rtl/slip/msn_peak_to_peak.sv: running maximum minus minimum over a window."""
+"""Bit-exact twins of rtl/slip/msn_peak_to_peak.sv, running maximum minus minimum over a window, and of
+msn_sliding_extremes.sv, maximum and minimum over a few delayed values."""
 
 from math import ceil, log2
 
 import numpy as np
 
+from meissner.twins.shared import Stream, one_of, within
 from meissner.twins.slip.config import check_channels
 
 MASKED = np.iinfo(np.int64).min  # in a history: this detail is ignored
@@ -55,7 +57,7 @@ def sliding(detail, span):
     return _spread(high, low)
 
 
-class PeakToPeak:
+class PeakToPeak(Stream):
     """Running peak-to-peak of each channel, window by window.
 
         p2p = max d - min d over the window so far
@@ -96,11 +98,6 @@ class PeakToPeak:
         end = (index >= self.span - 1) & ((index - (self.span - 1)) % self.hop == 0)
         return p2p[:, kept:], end
 
-    def process(self, detail, mask=None):
-        """``reset`` and then ``next``: all of ``detail`` in one call."""
-        self.reset()
-        return self.next(detail, mask)
-
     def _keep_from(self, length):
         """Start of the history that later details still need, aligned to a part."""
         if self.part == 1:
@@ -124,3 +121,21 @@ class PeakToPeak:
             high[:, 1:] = np.maximum(high[:, 1:], highs[:, :-1].max(axis=2, keepdims=True))
             low[:, 1:] = np.minimum(low[:, 1:], lows[:, :-1].min(axis=2, keepdims=True))
         return _spread(high, low).reshape(self.channels, -1)[:, :length]
+
+
+def sliding_extremes(high, low, lag, taps):
+    """Maximum of ``high`` and minimum of ``low`` over ``taps`` values ``lag`` apart.
+
+        out_high(t) = max high(t - j lag),  out_low(t) = min low(t - j lag),  j = 0 .. taps-1
+
+    ``high``, ``low``: integers [..., n]; values before the start are left out.
+    Returns two int64 arrays of the same shape. ``taps``: 2 or 4.
+    """
+    one_of((2, 4), taps=taps)
+    within(lag=(lag, 1, None))
+    high, low = np.asarray(high, dtype=np.int64), np.asarray(low, dtype=np.int64)
+    out_high, out_low = high.copy(), low.copy()
+    for shift in range(lag, min(taps * lag, high.shape[-1]), lag):
+        np.maximum(out_high[..., shift:], high[..., :-shift], out=out_high[..., shift:])
+        np.minimum(out_low[..., shift:], low[..., :-shift], out=out_low[..., shift:])
+    return out_high, out_low

@@ -1,6 +1,6 @@
 """Bit-exact twin of rtl/slip/msn_shear_speed.sv: shear speed from the level of conductive rubber."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -9,21 +9,11 @@ from meissner.twins.common.exp2 import bound as exp2_bound
 from meissner.twins.common.exp2 import exp2
 from meissner.twins.common.log2 import bound as log2_bound
 from meissner.twins.common.log2 import log2
+from meissner.twins.shared import Stream, fits
 
 # Flags in the order of their bits. With any of them the speed is 0.
-FLAGS = (
-    "unsettled",
-    "range",
-    "small",
-    "denominator",
-    "clipped",
-    "rising",
-    "fast",
-    "saturated",
-)  # from bit 0 on
-UNSETTLED, RANGE, SMALL, DENOMINATOR, CLIPPED, RISING, FAST, SATURATED = (
-    1 << bit for bit in range(len(FLAGS))
-)
+FLAGS = ("unsettled", "range", "small", "denominator", "clipped", "rising", "fast", "saturated")
+UNSETTLED, RANGE, SMALL, DENOMINATOR, CLIPPED, RISING, FAST, SATURATED = (1 << bit for bit in range(8))
 K1_FRACTION, EXPONENT_FRACTION = 16, 11
 
 
@@ -40,15 +30,8 @@ class ShearSize:
     speed_fraction: int = 20
 
     def __post_init__(self):
-        for name, low, high in (
-            ("sample_bits", 4, 24),
-            ("window_log2", 1, 12),
-            ("settle_log2", 0, 8),
-            ("speed_bits", 8, 32),
-            ("speed_fraction", 0, 32),
-        ):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} = {getattr(self, name)} must lie in {low} .. {high}")
+        fits(self, sample_bits=(4, 24), window_log2=(1, 12), settle_log2=(0, 8))
+        fits(self, speed_bits=(8, 32), speed_fraction=(0, 32))
         log2(1, self.level_bits + 1, self.table_bits, self.fraction_bits)  # its checks
 
     @property
@@ -107,15 +90,9 @@ class ShearSettings:
         bits = {"k0": size.level_bits, "noise": size.level_bits, "still": size.level_bits}
         bits |= {"exponent": 16, "limit": size.speed_bits, "travel": 32}
         signed = {"k1": 18, "vi_min": size.level_bits, "vi_max": size.level_bits, "full": size.sample_bits}
-        for field in fields(self):
-            value, name = getattr(self, field.name), field.name
-            low, high = (
-                (0, (1 << bits[name]) - 1)
-                if name in bits
-                else (-1 << signed[name] - 1, (1 << signed[name] - 1) - 1)
-            )
-            if not low <= value <= high:
-                raise ValueError(f"{name} = {value} must lie in {low} .. {high}")
+        limits = {name: (0, (1 << width) - 1) for name, width in bits.items()}
+        limits |= {name: (-1 << width - 1, (1 << width - 1) - 1) for name, width in signed.items()}
+        fits(self, **limits)
 
 
 def denominator(vi, settings):
@@ -156,7 +133,7 @@ class Windows(NamedTuple):
     rise: np.ndarray
 
 
-class ShearSpeed:
+class ShearSpeed(Stream):
     """(speed, flags) of each window of 2^window_log2 samples, by the rules of docs/shear_speed.md.
 
     level = sum of the window's samples times 2^settle_log2
@@ -193,11 +170,6 @@ class ShearSpeed:
         self._x, self._held = self._x[count * length :], self._held[count * length :]
         found = [self._window(*each) for each in zip(windows.sum(axis=1).tolist(), helds, clips)]
         return Windows(*np.array(found, dtype=np.int64).reshape(-1, 4).T)
-
-    def process(self, x, hold=None):
-        """``reset`` and then ``next``: all of ``x`` in one call."""
-        self.reset()
-        return self.next(x, hold)
 
     def _window(self, total, held, clipped):
         with_, level = self.settings, total << self.size.settle_log2

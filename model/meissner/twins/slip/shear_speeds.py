@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from meissner.twins.shared import fits, within
 from meissner.twins.slip.shear_speed import ShearSettings, ShearSize, ShearSpeed
 
 SIZE = ShearSize()  # the only size in the core
@@ -21,8 +22,7 @@ class ShearConfig:
 
     def __post_init__(self):
         self.shear.check(SIZE)
-        if not 0 <= self.hold_cycles <= 255:
-            raise ValueError(f"hold_cycles = {self.hold_cycles} must lie in 0 .. 255")
+        fits(self, hold_cycles=(0, 255))
 
     @property
     def settings(self):
@@ -39,8 +39,7 @@ class ShearSpeeds:
     """``next`` takes complete frames, ``commanded`` the increments; ``last``: (speed, flags) by channel."""
 
     def __init__(self, config, channels):
-        if not 1 <= channels <= MAX_CHANNELS:
-            raise ValueError(f"channels = {channels} must lie in 1 .. {MAX_CHANNELS}")
+        within(channels=(channels, 1, MAX_CHANNELS))
         self.config = config
         self.estimators = [ShearSpeed(config.shear, SIZE) for _ in range(channels)]
         self.last, self.windows, self.cycles = [(0, 1)] * channels, [0] * channels, 0

@@ -4,6 +4,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from meissner.twins.shared import Stream
 from meissner.twins.slip.config import check_channels
 
 
@@ -22,7 +23,7 @@ PRESSED, LIFTED, OVER, GROSSLY, KEPT, MOVING, MASKED = (1 << place for place in 
 NONE, CONTACT, INCIPIENT, GROSS, RELEASE = map(int, State)
 
 
-class Slip:
+class Slip(Stream):
     """Slip state of each channel from the peak-to-peak and the level, one step per detail.
 
         pressed = level >= contact_level   lifted = level < release_level     (contact_rises)
@@ -69,11 +70,6 @@ class Slip:
             signals = [b[channel] for b in (pressed, lifted, over, gross, kept)]
             states[channel] = self._channel(channel, [*signals, moving, mask[channel]])
         return states
-
-    def process(self, p2p, level, moving=None, mask=None):
-        """``reset`` and then ``next``."""
-        self.reset()
-        return self.next(p2p, level, moving, mask)
 
     def _channel(self, channel, signals):
         """Step one channel through its details; keep its memory and return its states.

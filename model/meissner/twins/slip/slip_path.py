@@ -1,4 +1,5 @@
-"""Bit-exact twin of rtl/slip/msn_slip_path.sv: samples to decisions about every channel."""
+"""Bit-exact twins of rtl/slip/msn_slip_path.sv: samples to decisions about every channel; msn_slip_chain.sv:
+to slip events; msn_slip_flags.sv: whether any channel slips, slips grossly, is touched."""
 
 from dataclasses import dataclass, replace
 
@@ -67,3 +68,35 @@ def decide(x, config, moving=None, mask=None, change=None, serial=False):
     slipping = (state == State.INCIPIENT) | (state == State.GROSS)
     was = np.concatenate([np.zeros((len(x), 1), dtype=bool), slipping[:, :-1]], axis=1)
     return Decisions(p2p, state, slipping & ~was, end, twin.blanked)
+
+
+def slip_chain(samples, config, moving=None, mask=None, change=None):
+    """(frame, channel, p2p, state) of each event of samples [frames, channels]; ``config``: SlipConfig.
+
+    ``mask`` [frames, channels]: samples not to be trusted; ``change``: (frame, threshold), another threshold
+    from that frame on. An event belongs to the last frame of its detail's group.
+    """
+    found = decide(np.asarray(samples).T, config, moving, None if mask is None else mask.T, change)
+    group = 1 << config.level
+    return [
+        (
+            int(detail + 1) * group - 1,
+            int(channel),
+            int(found.p2p[channel, detail]),
+            int(found.state[channel, detail]),
+        )
+        for detail, channel in np.argwhere(found.raised.T)
+    ]
+
+
+def slip_flags(decisions):
+    """(slip, gross, touched) after each of ``decisions``: (state, last of its frame)."""
+    flags, any_of, found = (False,) * 3, (False,) * 3, []
+    for state, last in decisions:
+        slips = state in (State.INCIPIENT, State.GROSS)
+        now = (slips, state == State.GROSS, slips or state == State.CONTACT)
+        any_of = tuple(a or b for a, b in zip(any_of, now))
+        flags = any_of if last else tuple(a or b for a, b in zip(flags, now))
+        any_of = (False,) * 3 if last else any_of
+        found.append(flags)
+    return found

@@ -2,13 +2,15 @@
 
 import numpy as np
 
-from meissner.twins.common.frame_filter import FrameFilter
+from meissner.twins.common.frames import FrameFilter
+from meissner.twins.shared import Stream, fits, one_of, within
+from meissner.twins.slip.config import register_limits
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import Slip, State
 
 
-class SlipSerial:
+class SlipSerial(Stream):
     """FrameFilter, Haar, PeakToPeak with tumbling windows and Slip of one channel, in this order.
 
         d = x[2k] - x[2k+1]   p2p = max d - min d of the window so far   the states as in Slip
@@ -18,27 +20,15 @@ class SlipSerial:
     """
 
     def __init__(self, config, sample_bits=17, timer_bits=14, digit=2):
-        if sample_bits < 2:
-            raise ValueError(f"sample_bits = {sample_bits} must be at least 2")
-        if not 1 <= timer_bits <= 31:
-            raise ValueError(f"timer_bits = {timer_bits} must lie in 1 .. 31")
-        if digit not in (1, 2):
-            raise ValueError(f"digit = {digit} must be 1 or 2")
+        within(sample_bits=(sample_bits, 2, None), timer_bits=(timer_bits, 1, 31))
+        one_of((1, 2), digit=digit)
         if config.hop != config.window:
             raise ValueError(
                 f"hop = {config.hop} must equal the window, {config.window}: "
                 "only tumbling windows are supported"
             )
         detail_bits = sample_bits + config.level
-        limits = dict.fromkeys(("threshold", "gross_threshold"), (0, 1 << detail_bits))
-        limits |= dict.fromkeys(("hold", "refractory", "blank"), (0, 1 << timer_bits))
-        level = 1 << (detail_bits - 1)
-        limits |= dict.fromkeys(("contact_level", "release_level"), (-level, level))
-        if config.keep_threshold is not None:
-            limits["keep_threshold"] = limits["threshold"]
-        for name, (low, high) in limits.items():
-            if not low <= getattr(config, name) < high:
-                raise ValueError(f"{name} = {getattr(config, name)} must lie in {low} .. {high - 1}")
+        fits(config, **register_limits(config, detail_bits, timer_bits))
         self.config = config
         digits = -(-max(detail_bits + digit, timer_bits + 1) // digit)
         self.steps = 1 << (digits - 1).bit_length()
@@ -96,11 +86,6 @@ class SlipSerial:
                 self._state = state
         columns = np.array(rows, dtype=np.int64).reshape(-1, 5).T
         return dict(zip(("state", "raised", "over", "p2p", "end"), columns))
-
-    def process(self, x, ids=None, lasts=None, moving=None):
-        """``reset`` and then ``next``."""
-        self.reset()
-        return self.next(x, ids, lasts, moving)
 
     def _restart(self):
         self._haar.reset()

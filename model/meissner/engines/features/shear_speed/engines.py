@@ -8,30 +8,35 @@ import ctypes
 
 import numpy as np
 
+from meissner.arrays import Bools, Floats, Ints
 from meissner.engines import verilated
 from meissner.engines.features.shear_speed import TOP
 from meissner.twins.link.registers import members, struct_bytes
 from meissner.twins.slip import shear_speed as twin
-from meissner.twins.slip.shear_speeds import SIZE, ShearSpeeds
+from meissner.twins.slip.shear_speed import ShearSettings
+from meissner.twins.slip.shear_speeds import SIZE, ShearConfig, ShearSpeeds
 
+Found = tuple[Floats, Ints]  # speed, flags
 WINDOW, REST = 1 << SIZE.window_log2, 1 << SIZE.settle_log2
 ONE = 1 << SIZE.speed_fraction
 
 
-def fixed(x, config, moving=None):
+def fixed(x: Ints, config: ShearConfig, moving: Bools | None = None) -> Found:
     """By the integer twin."""
     found = ShearSpeeds(config, len(x)).next(x, moving)
     return np.array([one.speed for one in found]) / ONE, np.array([one.flags for one in found])
 
 
-def _float_channel(levels, high, held, given):
+def _float_channel(levels: Floats, high: Ints, held: Bools, given: ShearSettings) -> list[tuple[float, int]]:
     """The rules of docs/shear_speed.md on the means of windows, in codes and in floating point."""
     unit = SIZE.unit
     k0, noise, still = given.k0 / unit, given.noise / unit, given.still / unit
     k1, power = given.k1 / 65536, given.exponent / 2048
     least, most = given.vi_min / unit, given.vi_max / unit
     reference = vi = None
-    resting, travel, found = [], 0.0, []
+    resting: list[float] = []
+    found: list[tuple[float, int]] = []
+    travel = 0.0
     for level, top, hold in zip(levels, high, held):
         clipped = top >= given.full
         up = reference is not None and level > reference + still
@@ -69,19 +74,19 @@ def _float_channel(levels, high, held, given):
     return found
 
 
-def float_(x, config, moving=None):
+def float_(x: Ints, config: ShearConfig, moving: Bools | None = None) -> Found:
     """The same rules in textbook float, channel by channel."""
     count = x.shape[1] // WINDOW
     windows = np.asarray(x)[:, : count * WINDOW].reshape(len(x), count, WINDOW)
     moving = np.zeros(x.shape[1], bool) if moving is None else np.asarray(moving, bool)
-    held = moving[: count * WINDOW].reshape(count, WINDOW).any(axis=1)
+    held = np.logical_or.reduce(moving[: count * WINDOW].reshape(count, WINDOW), axis=1)
     rows = [_float_channel(row.mean(axis=1), row.max(axis=1), held, config.shear) for row in windows]
     found = np.array(rows).reshape(len(x), count, 2)
     return found[..., 0], found[..., 1].astype(np.int64)
 
 
 @verilated.cached
-def _open(channels):
+def _open(channels: int) -> ctypes.CDLL:
     lib = ctypes.CDLL(str(verilated.library(TOP, "shear_driver.cpp", {"Channels": channels})))
     pointer, long = ctypes.c_void_p, ctypes.c_int64
     lib.shear_speeds.restype = long
@@ -91,7 +96,7 @@ def _open(channels):
     return lib
 
 
-def rtl(x, config, moving=None):
+def rtl(x: Ints, config: ShearConfig, moving: Bools | None = None) -> Found:
     """By the Verilated module."""
     channels, frames = x.shape
     values = {name: 0 for name in members("shear_speed")} | config.settings
