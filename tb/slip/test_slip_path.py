@@ -10,7 +10,7 @@ import pytest
 import bench
 import members
 from meissner.twins.slip.config import SlipConfig
-from meissner.twins.slip.haar import haar
+from meissner.twins.slip.haar import haar, masked_groups
 from meissner.twins.slip.slip import Slip
 from meissner.twins.slip.slip_path import decide
 
@@ -58,6 +58,8 @@ def expected(x, config, mask=None, moving=False):
     found = decide(x, config, np.full(x.shape[1] >> config.level, moving), mask)
     ends = np.broadcast_to(found.end, found.p2p.shape)
     over = found.p2p > config.threshold
+    if mask is not None:
+        over &= ~masked_groups(mask, config.level)
     rows = bench.frames(state=found.state, over=over, p2p=found.p2p, end=ends, raised=found.raised)
     return [{field: row[field] for field in FIELDS} for row in rows], found
 

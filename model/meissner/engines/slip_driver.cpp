@@ -10,8 +10,9 @@ namespace {
 
 using Core = meissner::Driver<Vmsn_core>;
 
-// A packet of slip keeps the decisions behind it waiting for less than this.
-constexpr int kQuiet = 128;
+// A packet of slip keeps the decisions behind it waiting for less than this: its 20 bytes leave one every 4 clocks, and
+// msn_packet_slip stalls the path for at most 191.
+constexpr int kQuiet = 256;
 
 // What core_pins reports in addition to the decisions.
 struct PinFacts {
