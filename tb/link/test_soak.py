@@ -1,7 +1,7 @@
 """Slip events at full image load through the Verilated link, read by the C decoder, with none lost: a short
-version of tools/soak_link.py."""
+version of tools/published/soak_link.py."""
 
-from soak_link import soak
+from published.soak_link import soak
 
 
 def test_no_event_is_lost_at_full_image_load():

@@ -120,7 +120,7 @@ def jitter():
 
 def soak():
     """From the command's own line: a fault ends it non-zero."""
-    command = [sys.executable, str(ROOT / "tools/soak_link.py")]
+    command = [sys.executable, str(ROOT / "tools/published/soak_link.py")]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     events, lost, wrong, images = re.match(
         r"(\d+) slip events, (\d+) lost, (\d+) wrong; beside them (\d+)", said
@@ -198,7 +198,7 @@ ROWS = {
         '`make fmax FMAX="slip-1024"`',
     ),
     "slip1": Row(
-        "smallest slip sensor, MCP3208 to decision, UP5K",
+        "smallest slip sensor, MCP3208 to the line, UP5K",
         blocks(("slip1 up5k", "{lut} logic cells, {mhz_worst:.1f} MHz (runs at 12)")),
         '`make fmax FMAX="slip1"`',
     ),
@@ -261,8 +261,8 @@ ROWS = {
     "array": Row(
         "array at its pins, first convert start to CoP, all stages, digital side only: 16×16 behind one "
         "AD7606; 64×64 behind eight",
-        tested("331 µs; 662 µs; equal to the model's clock count, spread 0", "tb/cop/test_array.py"),
-        "`pytest tb/cop/test_array.py`; `meissner budget`",
+        tested("331 µs; 662 µs; equal to the model's clock count, spread 0", "tb/sensor/test_array_pins.py"),
+        "`pytest tb/sensor/test_array_pins.py`; `meissner budget`",
     ),
     "capacitive_shapes": Row(
         "even press on 8×8 capacitive cells, largest distance of a cell from the mean",
@@ -299,7 +299,9 @@ ROWS = {
         '`make figures FIGURES="mesh"`',
     ),
     "soak": Row(
-        "slip events lost at full image load, 6 Mbaud at 24 MHz", soak, "`python tools/soak_link.py`"
+        "slip events lost at full image load, 6 Mbaud at 24 MHz",
+        soak,
+        "`python tools/published/soak_link.py`",
     ),
     "engines": Row("engines, samples per second on one core", engines, "`meissner tradeoff --axis engine`"),
 }

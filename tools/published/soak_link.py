@@ -1,6 +1,6 @@
 """Send slip events through the Verilated link at full image load and count the lost ones.
 
-    python tools/soak_link.py [EVENTS] [SEED]
+    python tools/published/soak_link.py [EVENTS] [SEED]
 
 Images are offered back to back, CoP frames every thousand clocks, and events in bursts that fill their queue;
 a bit lasts four clocks. The portable C decoder reads the line.
@@ -14,7 +14,7 @@ from meissner.builds.toolchain import ROOT
 from meissner.engines import verilated
 from meissner.twins.link.uart import sixteenths
 
-DRIVER = ROOT / "tools/soak_driver.cpp"
+DRIVER = ROOT / "tools/published/soak_driver.cpp"
 TAXELS, DEPTH, CLK_HZ, BAUD_HZ = 1024, 64, 24_000_000, 6_000_000
 NAMES = ("events", "lost", "wrong", "images", "cops", "clocks", "held")
 
@@ -49,12 +49,6 @@ def soak(events, mean=1000, burst=100, seed=1):
     found = Soak()
     lib.soak_run(events, sixteenths(CLK_HZ, BAUD_HZ), mean, burst, TAXELS, seed, found)
     return found
-
-
-def figures():
-    """The counts of README's soak, with the default seed."""
-    found = soak(1_000_000)
-    return {name: getattr(found, name) for name in NAMES}
 
 
 def main():
