@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Checks an array's frames: numbers the beats, marks the ends of rows and never passes a damaged frame as a complete
-// one. No other block checks them.
+// one. No other block of the array path checks places; msn_frame_filter does again where taxels enter the slip path.
 //
 // Beats must count 0 .. Beats-1 with `last` on the final one (whose id is not checked). A frame that breaks
 // this is counted once, and of it there pass

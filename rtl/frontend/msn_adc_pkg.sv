@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Properties of each converter that msn_adc_spi needs: the form of its SPI frame and its timing limits in ns.
-// To add a part: one line in each function, and the same in model/meissner/twins/frontend/adc_spi.py.
-// All figures and their sources: docs/adc.md
+// To add a part: a line in each function, known() among them, where the last branch does not suit it, and the same in
+// model/meissner/twins/frontend/adc_spi.py. docs/adc.md lists every other place, and all figures with their sources.
 
 package msn_adc_pkg;
 
