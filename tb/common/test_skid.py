@@ -52,7 +52,7 @@ async def forgets_what_a_reset_interrupts(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def readers_and_clocks_of_the_bench_are_the_simulators(dut):
-    """tb/streams.py: it reads the same levels as the handle's own value; ``clocks`` ends at the right
+    """tb/harness/streams.py: it reads the same levels as the handle's own value; ``clocks`` ends at the right
     edge."""
     await bench.start(dut)
     for value in (0, 1, 5, (1 << len(dut.in_data_i)) - 1):

@@ -1,6 +1,6 @@
 """The latency budget of scanned arrays: its terms add up and follow the parameters they depend on, the number
 of converters it gives is sufficient and the smallest, the command prints the terms and refuses what cannot be
-built. tb/cop/test_array.py shows that the clocks are those at the pins.
+built. tb/sensor/test_array_pins.py shows that the clocks are those at the pins.
 """
 
 import json

@@ -1,5 +1,5 @@
 """Converters in parallel and their inputs, against the read-out speed of an array: the twins' clock counts,
-which tb/cop/test_array.py measures at the pins of the RTL."""
+which tb/sensor/test_array_pins.py measures at the pins of the RTL."""
 
 from meissner.budget import array
 from meissner.tradeoff.axis import Axis, Figure
