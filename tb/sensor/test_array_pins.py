@@ -107,15 +107,18 @@ class Together:
 
 
 class Alike(Line):
-    """Pins of several converters that the block must drive alike, seen as one."""
+    """Pins of several converters that the block must drive alike, seen as one; with ``cs_n`` only while that
+    is low: before its first word a data line may have any level."""
 
-    def __init__(self, port):
+    def __init__(self, port, cs_n=None):
         super().__init__(port, 0, {})
+        self.cs_n = cs_n
 
     @property
     def value(self):
         levels = bench.read(self.port)
-        assert levels in (0, (1 << len(self.port)) - 1), f"{self.port._name} is {levels:b}"
+        rests = self.cs_n is not None and bench.read(self.cs_n)
+        assert rests or levels in (0, (1 << len(self.port)) - 1), f"{self.port._name} is {levels:b}"
         return levels & 1
 
 
@@ -214,7 +217,7 @@ async def begin(dut, limits=None, load=True):
         convst, busy, reset = dut.adc_convst_o, Together(dut.adc_busy_i), dut.adc_reset_o
         part = Ad7606(cs_n, sclk, miso, convst, busy, reset, matrix.code, conversion_ns=CONVERSION_NS)
     elif scan.part is MCP3208:
-        part = Mcp3208(Alike(cs_n), Alike(sclk), Alike(mosi), miso, matrix.code)
+        part = Mcp3208(Alike(cs_n), Alike(sclk), Alike(mosi, cs_n), miso, matrix.code)
     else:
         part = Max1112x(cs_n, sclk, mosi, miso, bits, matrix.code)
 
