@@ -78,7 +78,8 @@ cells: calibrate few.npz
 lsb: calibrate press.npz --lsb 1e-9; calibrate press.npz --lsb nan
 codes-per-v: fit-rubber x.csv --codes-per-v 0
 time_s: fit-rubber bomb.npz
-load: cop4 in.npy --config short.toml; budget --cop4 --load 0; budget --cop4 --load nan
+rows: cop4 in.npy --config short.toml
+load: budget --cop4 --load 0; budget --cop4 --load nan
 sensor: cop4 in.npy --config half.toml; choose wires
 electrodes: cop4 in.npy --config fingertip
 config: process cop4 in.npy --out out.npz

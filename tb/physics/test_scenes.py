@@ -50,7 +50,7 @@ def measured(name, condition, seeds=SEEDS):
         windows = len(coefficient) // 32
         block = coefficient[: windows * 32].reshape(windows, 32)
         p2p = (np.maximum.accumulate(block, axis=1) - np.minimum.accumulate(block, axis=1)).ravel()
-        flags = at[: len(p2p)][p2p > scene.peak_to_peak_v()]
+        flags = at[: len(p2p)][p2p > scene.slip.threshold_p2p_v]
         quiet = np.abs(coefficient[at < onset]).max()
         before = np.abs(coefficient[(at >= onset) & (at < gross)]).max(initial=0.0)
         rows.append((quiet, before, flags[0] if len(flags) else np.inf, onset, gross))
@@ -77,7 +77,7 @@ def test_every_scene_loads_and_runs(name):
             <= parts | (more if scene.kind == "grip" else parts)
         )
         assert not set(run.modelled) & set(run.left_out)
-        most = condition.normal_n + condition.follow * run.tension_n.max()
+        most = condition.normal_n + getattr(condition, "follow", 0.0) * run.tension_n.max()
         assert run.normal_n.max() == pytest.approx(most, rel=0.02)
 
 
@@ -228,7 +228,7 @@ def test_the_integer_threshold_decides_as_the_real_one(part, level):
     scene = dataclasses.replace(scene, adc_part=part, slip=slip)
     config = scene.slip_config()
     codes = np.arange(4000)
-    real = codes * scene.adc.lsb_v / np.sqrt(2.0) ** level > scene.peak_to_peak_v()
+    real = codes * scene.adc.lsb_v / np.sqrt(2.0) ** level > scene.slip.threshold_p2p_v
     assert np.array_equal(codes > config.threshold, real)
     assert not config.contact_rises
     assert config.contact_level < config.release_level

@@ -284,10 +284,10 @@ def test_a_lot_must_stay_below_the_supply(lot, fits):
     way = WAY | {"lot": lot}
     scene = scenes.build("x", changed("shear_recover", ways=[way], speed_mm_s=[0.1, 3.7]))
     if fits:
-        shear_run.check(scene, "fixed", False)
+        shear_run.check(scene)
     else:
         with pytest.raises(ValueError, match=r"lot = 2.575"):
-            shear_run.check(scene, "fixed", False)
+            shear_run.check(scene)
 
 
 def test_slip_settings_are_refused_as_in_the_slip_scenes():
