@@ -69,7 +69,7 @@ def test_the_command_prints_it():
     found = json.loads(meissner("budget", "--config", "grip", "--json").stdout)
     assert found == grip.budget(config.load("grip"))
     for arguments, said in (
-        (("--config", "slip1"), "slip1 has none of the stages with a budget, [grip], [shear_speed]"),
+        (("--config", "slip1"), "slip1 has none of the features with a budget, [grip], [shear_speed]"),
         (("--config", "grip", "--cop4"), "--config must go without --cop4 and --out"),
         (("--config", "nothing"), "'nothing' is neither a file nor one of the configurations"),
     ):
