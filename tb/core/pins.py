@@ -301,9 +301,8 @@ async def begin(dut, part, kind=Host, reset=3):
     for port, value in (idle | {"adc_miso_i": 0, "adc_busy_i": 0, "rst_i": 1}).items():
         getattr(dut, port).value = value
     Clock(dut.clk_i, PERIOD_NS, unit="ns").start()
-    host = kind(dut)
-    await bench.clocks(dut, 2)
-    made = part(dut)
+    await bench.clocks(dut, 2)  # nothing leaves in reset, whatever the registers began with
+    host, made = kind(dut), part(dut)
     await bench.clocks(dut, reset)
     host.zero = round(get_sim_time("ns") / PERIOD_NS)
     dut.rst_i.value = 0
