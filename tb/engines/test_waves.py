@@ -106,9 +106,13 @@ def test_a_traced_core_that_differs_is_reported(tmp_path, monkeypatch):
 def test_a_slip_runs_twenty_milliseconds(tmp_path):
     _, summary = run_with_waves(tmp_path, "acrylic_slip", seeds=1)
     assert summary["twin_mismatches"] == 0
-    times, seen = read_vcd(tmp_path / "waves.vcd", ("clk_i", "out_valid_o", "out_raised_o"))
+    times, seen = read_vcd(tmp_path / "waves.vcd", ("clk_i", "slip_o", "verdict_o", "decision_o"))
     assert np.ptp(times) / 1e12 == pytest.approx(0.02, rel=0.01)
-    assert (seen["out_valid_o"] & seen["out_raised_o"]).sum() >= 1
+    raised = seen["verdict_o"] >> 18 & seen["decision_o"] >> 44 & 1  # verdict_t.valid and decision_t.raised
+    assert raised.sum() >= 1
+    # The flag rises in the clock after the decision that raises it.
+    first = int(np.argmax(raised))
+    assert not seen["slip_o"][: first + 1].any() and seen["slip_o"][first + 1]
 
 
 def test_four_electrodes_are_in_it(tmp_path):

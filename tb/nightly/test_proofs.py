@@ -1,5 +1,8 @@
 """The quickest proofs hold at their defaults; a planted bug and a proof that proves nothing fail."""
 
+import tempfile
+from pathlib import Path
+
 import pytest
 
 from meissner.builds import toolchain
@@ -23,12 +26,13 @@ def quick():
 
 
 @pytest.fixture
-def elsewhere(monkeypatch, tmp_path_factory):
-    """A folder of its own, so that proofs of different tests do not interfere."""
-    out = f"build/formal/{tmp_path_factory.mktemp('quick').name}"
-    (toolchain.ROOT / out).mkdir(parents=True, exist_ok=True)
-    monkeypatch.setattr(proofs, "OUT", out)
-    return out
+def elsewhere(monkeypatch):
+    """A folder of its own, so that proofs of different tests, workers and runs do not interfere."""
+    (toolchain.ROOT / "build/formal").mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="quick", dir=toolchain.ROOT / "build/formal") as folder:
+        out = str(Path(folder).relative_to(toolchain.ROOT))
+        monkeypatch.setattr(proofs, "OUT", out)
+        yield out
 
 
 def changed(monkeypatch, out, path, old, new):

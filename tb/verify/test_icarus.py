@@ -42,7 +42,8 @@ def test_a_block_is_refused_for_a_block_in_it():
     """By hand: blocks that contain a converter, a packed vector of vectors, or structs as ports."""
     found = {block: icarus.refused(block, {}) for block in ("acquire", "sensor_array", "slip_path", "link")}
     assert [reason.split(":")[0] for reason in found.values()] == [
-        *("a parameter that a package's function makes of another package's functions",) * 2,
+        "a parameter that a package's function makes of another package's functions",
+        "ports of a package's packed struct",
         "a packed vector of vectors of which a process drives one element and an assignment another",
         "ports of a package's packed struct",
     ]

@@ -171,6 +171,9 @@ def smtbmc(stem, tag, solver, options, limit_s):
             raise yowasp.ToolError(f"{solver} gave no answer in {limit_s} s; see {log}") from None
         if not re.search("Status: (FAILED|PREUNSAT)", said):  # PREUNSAT: contradictory assumptions
             raise
+    else:
+        if "Status: PASSED" not in said:  # it exited with success, so another process has this log too
+            raise yowasp.ToolError(f"{solver} proved it, but its log does not say so; see {log}")
     return "Status: PASSED" in said, time.monotonic() - begun
 
 
