@@ -4,7 +4,7 @@
 #include <deque>
 #include <random>
 
-#include "../host/msn_packet.c"
+#include "../../host/msn_packet.c"
 #include "Vmsn_link.h"
 #include "Vmsn_link___024root.h"
 #include "driver.hpp"
