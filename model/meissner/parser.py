@@ -7,6 +7,7 @@ from meissner.names import EVERY, NAMES, PICTURE
 from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
+LOADED = "a file that `meissner calibrate` wrote, to write into the core first"
 CONFIG = "the core's configuration, for physical units: a name or a TOML file"
 
 
@@ -100,6 +101,7 @@ def _host(commands):
         "names", metavar="NAME[=VALUE]", nargs="*", help="docs/registers.md; VALUE 40, 0x28, 20mV, 0.5N, 5ms"
     )
     regs.add_argument("--config", metavar="FILE", help=CONFIG)
+    regs.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
     regs.set_defaults(call="meissner.host.commands:regs")
 
     live = commands.add_parser(
@@ -135,6 +137,7 @@ def _line_arguments(parser):
         "--listen", action="store_true", help="do not read registers (for a core without them)"
     )
     parser.add_argument("--config", metavar="FILE", help=CONFIG)
+    parser.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
     parser.add_argument(
         "--clk-khz", type=int, metavar="KHZ", help="the core's clock, if its registers are not read"
     )

@@ -69,7 +69,11 @@ min-load: cop cube.npy --min-load -1; cop cube.npy --min-load 8388608; replay go
 offset: cop cube.npy --calibration other.npz
 gains: cop cube.npy --calibration gain.npz
 in.npy: cop cube.npy --calibration in.npy; run acrylic_slip --out in.npy/results; cop4 in.npy --config in.npy
-3×2: cop cube.npy --calibration cal.npz
+3×2: cop cube.npy --calibration cal.npz; regs sim:walk_25x5 --calibration cal.npz
+offset: live sim: --calibration other.npz; log sim: --calibration other.npz; regs sim: --calibration other.npz
+listen: live sim: --listen --calibration cal.npz; log sim: --listen --calibration cal.npz
+reached: live file:a.bin --calibration cal.npz
+array: regs core:grip --calibration cal.npz
 codes: calibrate other.npz; calibrate cube.npy
 text.npz: calibrate text.npz; fit-rubber text.npz
 forces: calibrate press.npz --force in.npy

@@ -94,6 +94,7 @@ class Core:
         self._down: float | None = None  # since when
         self._reason, self._try_at, self._wait_s = "", 0.0, FIRST_WAIT_S
         self._ended = False
+        self.after_reset: Callable[[], object] = lambda: None  # called when the settings are written again
         if registers:
             try:
                 self._identify()
@@ -406,6 +407,7 @@ class Core:
             return False
         self._restarted = False
         self.say(f"the core on {self.line.name} was reset: {len(known)} settings were written again")
+        self.after_reset()
         return True
 
     def _has(self, group: Group) -> bool:
