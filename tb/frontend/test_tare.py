@@ -264,10 +264,7 @@ async def clocks_are_as_stated(dut):
         await bench.RisingEdge(dut.clk_i)
     assert left == [clock + 1 for clock in taken]
     gaps = [after - before for before, after in pairwise(taken)]
-<<<<<<< HEAD
     assert gaps == [9 if (n + 1) % length == 0 else 1 for n in range(len(gaps))]
-=======
-    assert gaps == [9 if (n + 1) % length_of(twin) == 0 else 1 for n in range(len(gaps))]
 
 
 @bench.applies(lambda dut: 1 < length_of(twin_of(dut)) < 10)
@@ -289,37 +286,6 @@ async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
         assert await bench.stream(dut, beats, FIELDS) == expected_of(twin, beats)
         await status_is(dut, twin)
         assert (twin.tared, twin.refused) == (1, 0), cut
-
-
-@bench.applies(lambda dut: (twin_of(dut).rows, twin_of(dut).tare_log2) == (2, 2))
-@cocotb.test(timeout_time=20, timeout_unit="ms")
-async def asked_for_at_every_clock_around_a_frames_ends(dut):
-    """By hand: requested before a frame's first beat goes in, an averaging takes that frame and the next
-    three; requested in that clock or later, until the next frame begins, it takes the four that follow."""
-    twin, levels = twin_of(dut), [100, -231, 397, 604, -853, 1200, 77, 5, -60]
-    settings, length = await begin(dut, contact=20), length_of(twin)
-    x = np.array(levels)[:, None, None] + np.zeros((1, twin.rows, twin.columns), int)
-    beats = bench.lane_beats(x, twin.lanes, twin.sample_bits, mask=0 * x)
-    firsts, seen = (await timed(dut, beats))[0][::length], set()
-
-    async def ask(clock):
-        await bench.clocks(dut, clock)
-        await settings.pulse(dut.clk_i, average=1, force=1)
-
-    for at in range(firsts[1] - 2, firsts[2] + 3):
-        await bench.reset(dut)
-        cocotb.start_soon(ask(at))
-        _, left = await timed(dut, beats, ["data"])
-        first = 1 if at < firsts[1] else 2 if at < firsts[2] else 3
-        zero = floor(Fraction(sum(levels[first : first + 4]), 4) + Fraction(1, 2))
-        zeros = [0] * (first + 4) + [zero] * (len(levels) - first - 4)
-        out = [[level - own] * twin.lanes for level, own in zip(levels, zeros) for _ in range(length)]
-        assert [word for _, word in left] == [bench.lane_word(each, twin.sample_bits + 1) for each in out], at
-        status = members.of("tare_status", bench.read(dut.status_o))
-        assert (status["tared"], status["refused"]) == (1, 0)
-        seen.add(first)
-    assert seen == {1, 2, 3}
->>>>>>> f92b2e8a (Forget a contact inside a damaged frame: a test of msn_tare)
 
 
 EVIDENCE = {
