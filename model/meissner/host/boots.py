@@ -2,9 +2,10 @@
 
 A core numbers its packets from 0 after a reset. Before the next reset the times of one kind of packet never
 go back, and two CoP frames, or two images, never have the same time. So a packet is the first one received
-after a reset if its time lies before that of the last packet of its kind. If packets are missing before it,
-it is also the first one if its time is that of the last packet of its kind, or if it has number 0 and the
-line could not have carried the missing packets since the newest time. Of an answer only the time counts.
+after a reset if it does not continue the numbers, unless with 0, and its time lies before that of the last
+packet of its kind. If packets are missing before it, it is also the first one if its time is that of the last
+packet of its kind, or if it has number 0 and the line could not have carried the missing packets since the
+newest time. Of an answer only the time counts, and of statistics too.
 """
 
 from meissner.twins.link import packet as p
@@ -32,10 +33,8 @@ class Boots:
 
     def restart(self) -> None:
         self._number = -1
-        self._newest, self._last = (
-            0,
-            dict[int, int](),
-        )  # times in this boot: the newest, the last of each kind
+        self._newest: int | None = None  # time in this boot
+        self._last: dict[int, int] = {}  # of each kind
 
     def next(self, packet: Packet) -> tuple[bool, int]:
         if self._number is None:
@@ -48,16 +47,17 @@ class Boots:
         self._number = packet.number
         if packet.kind in p.KNOWN:
             self._last[SAME.get(packet.kind, packet.kind)] = packet.time
-            if (packet.time - self._newest) % p.TIMES < p.TIMES // 2:
+            if self._newest is None or (packet.time - self._newest) % p.TIMES < p.TIMES // 2:
                 self._newest = packet.time
         return reset, missing
 
     def _is_first(self, packet: Packet, missing: int) -> bool:
-        time, last = packet.time, self._last.get(SAME.get(packet.kind, packet.kind))
+        kind, time = SAME.get(packet.kind, packet.kind), packet.time
+        last = self._last.get(kind)
         if last is not None and _back(time, last):
-            return True
+            return missing > 0 or packet.number == 0 or kind == p.STATISTIC
         later_part = packet.fields.get("first", 0) > 0
-        if not missing or not self._last or packet.kind == p.ANSWER or later_part:
+        if not missing or self._newest is None or packet.kind == p.ANSWER or later_part:
             return False
         if time == last:
             return packet.number == 0 or packet.kind in (p.COP, p.IMAGE)
