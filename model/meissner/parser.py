@@ -101,13 +101,19 @@ def _host(commands):
     _line_arguments(live)
     live.set_defaults(call="meissner.host.commands:live")
 
-    log = commands.add_parser("log", help="write a core's packets to MCAP (ROS 2) or npz")
+    log = commands.add_parser(
+        "log",
+        help="write a core's packets to MCAP (ROS 2) or npz: log PORT --out FILE.mcap",
+        epilog="example: meissner log serial:/dev/ttyUSB0 --out touch.mcap",
+    )
     _line_arguments(log)
     log.add_argument("--out", required=True, metavar="FILE", help="a .mcap or a .npz file")
     log.set_defaults(call="meissner.host.commands:log")
 
     replay = commands.add_parser(
-        "replay", help="run a log's images through an engine and compare with the core's own results"
+        "replay",
+        help="compare an engine's results for a log's images with the core's own: replay LOG --out OUT.npz",
+        epilog="example: meissner replay touch.mcap --out compared.npz",
     )
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")

@@ -134,7 +134,8 @@ class Config:
         )
         if self.array:
             newtons, pitch = self.array.newtons_per_count, self.array.pitch_mm
-            return replace(known, newtons_per_code=newtons, pitch_mm=pitch)
+            known = replace(known, newtons_per_code=newtons, pitch_mm=pitch)
+            return replace(known, min_load=known.load_code(self.min_load_n))
         load = self.cop4.load_lsb_n if self.cop4 else None
         return replace(known, volts_per_code=self.volts_per_code, newtons_per_code=load)
 
@@ -144,7 +145,7 @@ class Config:
         found = {"link.images": int(self.link.images)}
         if self.array:
             found |= {"scan.enable": 1, "scan.settle": self.settle_clocks, "scan.period": self.period_clocks}
-            found |= {"calibrate.preset": 4096, "cop.min_load": self.units.load_code(self.min_load_n)}
+            found |= {"calibrate.preset": 4096, "cop.min_load": self.units.min_load or 0}
             if self.health:
                 top = (1 << self.part.data_bits - self.part.signed) - 1
                 low = -top - 1 if self.part.signed else 0

@@ -47,7 +47,7 @@ class Units:
 
     ``volts_per_code``, ``low_v``, ``min_code``: of a sample; ``level``: of the slip path; ``rate_hz``:
     samples per second of each channel; ``volts_of``: newtons to the sensor's volts; ``newtons_per_code``: of
-    a taxel and of a load; ``pitch_mm``: from taxel to taxel.
+    a taxel and of a load; ``pitch_mm``: from taxel to taxel; ``min_load``: ``cop.min_load`` after reset.
     """
 
     clk_khz: int | None = None
@@ -61,6 +61,7 @@ class Units:
     volts_of: Callable[[float], Any] | None = None
     newtons_per_code: float | None = None
     pitch_mm: float | None = None
+    min_load: int | None = None
 
     def code(self, name: str, quantity: str, value: float) -> int:
         """The code of a register for an amount; ValueError for a quantity that the register does not take.

@@ -240,11 +240,10 @@ def replay(arguments: Namespace) -> None:
 
     engines.load(arguments.engine)
     found = log.read(arguments.log)
-    min_load = int(found.get("min_load", 1)) if arguments.min_load is None else arguments.min_load
-    if min_load < 0:
-        raise ValueError(f"min-load = {min_load} must not be negative")
+    if arguments.min_load is not None and arguments.min_load < 0:
+        raise ValueError(f"min-load = {arguments.min_load} must not be negative")
     with files.results(arguments.out) as save:
-        result = replay(found, arguments.engine, min_load)
+        result = replay(found, arguments.engine, arguments.min_load)
         save(result)
     both, wrong, largest = differences(result)
     frames, rows, columns = found["image"].shape
