@@ -162,8 +162,8 @@ READIES = [f"s_axil_{name}ready" for name in ("aw", "w", "ar")]
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def ready_waits_for_no_valid_of_its_clock(dut):
     """In every clock of random accesses and resets, each READY stays as it is whatever the inputs become; in
-    reset all are low, and what was offered there has no answer. AXI: an input of a clock may not decide a READY
-    of that clock."""
+    reset all are low, and what was offered there has no answer. AXI: an input may not decide a READY of its
+    clock."""
     served, draw, seen, answers = [], random.Random(bench.SEED), set(), 0
     await bench.start(dut, bus_done_i=0, **dict.fromkeys([*INPUTS, "s_axil_awprot", "s_axil_arprot"], 0))
     dut.s_axil_awaddr.value = dut.s_axil_araddr.value = 0x014
@@ -173,7 +173,9 @@ async def ready_waits_for_no_valid_of_its_clock(dut):
     for _ in range(2000):
         reset = int(draw.random() < 0.02)
         for name in INPUTS:  # a request stays until it is taken
-            held[name] = int(held[name] or draw.random() < 0.4) if name.endswith("valid") else draw.randrange(2)
+            held[name] = (
+                int(held[name] or draw.random() < 0.4) if name.endswith("valid") else draw.randrange(2)
+            )
         dut.rst_i.value = reset
         for name, value in held.items():
             getattr(dut, name).value = value

@@ -308,7 +308,7 @@ WRITES = [  # of ones, by hand: (address, strobe): (error, pulse or None, pendin
     (0x48C, 0b1111, True, None, False, 1),  # tare.at_start: at reset
     (0xB10, 0b1111, False, None, False, 0x3FFFFFF),  # shear_speed.vi_min: while off
     (0xB00, 0b0001, False, None, False, 1),  # shear_speed.enable
-    (0xB14, 0b1111, True, None, False, 0x19999A), # vi_max, 1677722 in 26 bits
+    (0xB14, 0b1111, True, None, False, 0x19999A),  # vi_max, 1677722 in 26 bits
     (0xB2C, 0b0001, False, None, False, 1),  # shear_speed.hold: at once, also while on
 ]
 

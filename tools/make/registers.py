@@ -238,7 +238,7 @@ package msn_registers_pkg;
     Widths     // the bits that a build has for fields that are held to them
   }} kind_e;
 
-  // When a written setting takes effect. AtScan: the registers act as for AtOnce, the scan takes it at a frame's start.
+  // When a written setting takes effect. AtScan: as AtOnce for the registers; the scan waits for a frame.
   typedef enum logic [2:0] {{AtOnce, AtFrame, AtScan, WhileOff, AtReset}} applies_e;
 
   // The bits that a build has for a field: all, or its parameter DetailBits ...
@@ -324,10 +324,10 @@ def page(groups, texts):
         "",
         "The column *applies* says when a written value takes effect: *at once*; *at a frame's",
         "start*, with all others that were written before it, between two frames; *at the scan's next",
-        "frame*, with the first conversion of the next frame that has not begun ([scan.md](scan.md)); *while off*: at once,",
-        "but only while its block is off (`enable` is 0): otherwise the write is an error; *at reset*: never,",
-        "the build says what it is, and a write is an error. So what is read is in force, at the latest from",
-        "the next frame on.",
+        "frame*, with the first conversion of the next one to begin ([scan.md](scan.md)); *while off*: at",
+        "once, but only while its block is off (`enable` is 0): otherwise the write is an error; *at",
+        "reset*: never, the build says what it is, and a write is an error. So what is read is in force,",
+        "at the latest from the next frame on.",
         "Settings that belong together take effect with the same frame if `core.hold` is 1 while they are",
         "written: `with core.together():` in Python. Those of the scan do not wait for `core.hold`.",
         "",
@@ -348,8 +348,7 @@ def page(groups, texts):
                 known = access.get(field.kind, "read") if reg.applies != "at_reset" else "read"
                 text = texts[group.name, reg.name] if index == 0 else ""
                 lines.append(
-                    f"| 0x{reg.address:03x} | `{name}` | {bits} | {known} | {when} "
-                    f"| {reset} | {text} |"
+                    f"| 0x{reg.address:03x} | `{name}` | {bits} | {known} | {when} | {reset} | {text} |"
                 )
     return "\n".join(lines) + "\n"
 

@@ -1,8 +1,9 @@
 """Twin of rtl/link/msn_registers.sv: the answer to each access, and the values that the core sees.
 
 An access is an error, and changes nothing, at an address that is not a multiple of four or has no register in
-this build, and for a write to a read-only register or to one that applies while its block is off, while that is on. A build may have fewer bits for a setting than its field:
-the register keeps the written bytes, but a read and the core get the value saturated to the build's bits.
+this build, and for a write to a read-only register or, while its block is on, to one that applies while
+off. A build may have fewer bits for a setting than its field: the register keeps the written bytes, but a
+read and the core get the value saturated to the build's bits.
 """
 
 from meissner.twins.link.register_map import GROUPS
