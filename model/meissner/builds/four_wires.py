@@ -4,10 +4,12 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from meissner.builds.units import Units
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import MAX_BITS, MIN_BITS, TOUCHES, Cop4Config
 from meissner.physics.mesh import Mesh
 from meissner.tables import Positive, Table, naming, one_of
+from meissner.twins.cop.cop4 import LOAD_BITS
 
 Side = Annotated[int, Meta(ge=1, le=1024)]
 
@@ -61,6 +63,8 @@ def config(where: str, mesh: Mesh, converter: Converter, load: Load) -> Cop4Conf
     """The sensor of three tables; ``where`` begins the sentence of a ValueError."""
     full = converter.reference_v
     with naming(where):
+        with naming("min_n"):
+            Units(newtons_per_code=load.lsb_n, most_load=(1 << LOAD_BITS) - 1).load_code(load.min_n)
         return Cop4Config(
             mesh=mesh,
             adc=Adc(converter.bits, -full, full, getattr(converter, "noise_v", 0.0)),

@@ -1,12 +1,14 @@
 """The registers of msn_cop4 and of its load correction from a mesh, amplifiers and a converter."""
 
 from dataclasses import replace
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from meissner.physics.adc import Adc
 from meissner.physics.mesh.constants import cop_constants
+from meissner.tables import exact
 from meissner.twins.cop.cop4 import LOAD_BITS, SCALE_BITS, Cop4Registers
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, SUM_TOP, CorrectionRegisters
 
@@ -68,7 +70,7 @@ def cop4_registers(
         idle=round(rail) - margin,
         busy=busy,
         imbalance=max(4, round(2 * rail * imbalance)),
-        min_load=max(1, round(min_load / load_lsb)),
+        min_load=max(1, ceil(exact(min_load) / exact(load_lsb))),
     )
     found.check(sample_bits)
     return found
