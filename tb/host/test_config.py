@@ -9,6 +9,7 @@ from itertools import product
 from math import floor
 from typing import get_args
 
+import msgspec
 import pytest
 
 from meissner import scenes
@@ -328,7 +329,7 @@ WRONG = [
 
 def known(file, table):
     """The keys that the table ``table`` of ``file`` has."""
-    kind = file.__annotations__.get(table) or keys.File.__annotations__.get(table)
+    kind = next((each.type for each in msgspec.structs.fields(file) if each.name == table), None)
     kind = next((each for each in get_args(kind) if each is not type(None)), kind)
     return getattr(kind, "__struct_fields__", ())
 
@@ -378,3 +379,117 @@ def test_files_that_are_no_configuration(tmp_path, text, named):
         config.load(file)
     sentence = str(problem.value)
     assert named in sentence and "mine.toml" in sentence and sentence.isprintable() and len(sentence) < 250
+
+
+PAGE = (ROOT / "docs/config.md").read_text("utf-8")
+MESH = {"rows": 7, "columns": 7, "r_ohm": 100.0, "R0_ohm": 1000.0, "V0_v": 4.0, "k_n_ohm": 4320.0}
+FORCES = {
+    "threshold_p2p_n": 0.1,
+    "gross_threshold_p2p_n": 0.2,
+    "contact_level_n": 0.2,
+    "release_level_n": 0.1,
+}
+EMPTY = {  # of each kind: what must be there, and every other table empty
+    "channels": {
+        **{"clock": {"mhz": 25.0}, "sensor": {"kind": "channels", "channels": 2}, "link": {}, "grip": {}},
+        **{"adc": {"part": "MCP3208", "volts": 5.0, "rate_hz": 5000.0}, "shear_speed": {}},
+        "slip": {
+            "threshold_p2p_v": 0.02,
+            "gross_threshold_p2p_v": 0.1,
+            "contact_level_v": 4.5,
+            "release_level_v": 4.8,
+        },
+    },
+    "array": {
+        **{
+            "clock": {"mhz": 50.0},
+            "sensor": {"kind": "array", "rows": 4, "columns": 4},
+            "link": {},
+            "cop": {},
+        },
+        **{
+            "adc": {"part": "AD7606", "volts": 5.0, "rate_hz": 500.0},
+            "array": {"health": True},
+            "slip": FORCES,
+        },
+        **{"health": {}, "tare": {}},
+    },
+    "electrodes": {
+        **{
+            "clock": {"mhz": 25.0},
+            "sensor": {"kind": "electrodes"},
+            "link": {},
+            "mesh": MESH,
+            "cop_slip": {},
+        },
+        "adc": {"part": "AD7606", "volts": 5.0, "rate_hz": 500.0},
+        "load": {"lsb_n": 0.001, "min_n": 0.1, "correction": "none"},
+    },
+}
+
+
+def rows_of_the_page():
+    """(table, key, default as written) of every key."""
+    tables = ()
+    for line in re.search(r"\n\| table \| key .*?\n\n", PAGE, re.DOTALL)[0].strip().splitlines()[2:]:
+        first, second, default = (cell.strip() for cell in line.split("|")[1:4])
+        tables = re.findall(r"\[(\w+)\]", first) or tables
+        for table, key in product(tables, re.findall(r"`(\w+)`", second)):
+            yield table, key, default
+
+
+def built(kind, table=None, **change):
+    build = read({"about": "empty"} | EMPTY[kind], table, **change)
+    return build.settings, build.parameters
+
+
+def test_the_page_has_every_key_and_its_default():
+    page = {}
+    for table, key, default in rows_of_the_page():
+        page.setdefault(table, {})[key] = default
+    page["mesh"] = dict.fromkeys(MESH, "must")
+    page["load"] |= dict.fromkeys(("lsb_n", "min_n", "correction"), "must")
+    seen = 0
+    for kind, tables in EMPTY.items():
+        for table, given in tables.items():
+            for key in known(keys.FILES[kind], table):
+                default = page[table].get(key) or page[table][key[:-1] + "v"]  # of an array _n
+                if default == "must":
+                    refused({"about": "empty"} | tables, table, key, **{key: None})
+                    continue
+                assert key not in given or (table, key) == ("array", "health"), key
+                if default in ("by part", "see below", "the window", "the threshold"):
+                    continue
+                if (table, key, kind) != ("slip", "contact_rises", "array") and key != "health":
+                    assert built(kind, table, **{key: tomllib.loads(f"x = {default}")["x"]}) == built(kind), (
+                        key
+                    )
+                    seen += 1
+    assert seen > 60
+    with pytest.raises(ValueError, match=r"health = false in \[array\]"):
+        built("array", "array", health=None)
+
+
+@pytest.mark.parametrize("kind, unit", [("channels", "v"), ("array", "n")])
+def test_defaults_that_are_another_keys_value(kind, unit):
+    slip = EMPTY[kind]["slip"]
+    assert built(kind, "slip", hop=64) == built(kind) != built(kind, "slip", hop=32)
+    keep = {f"keep_threshold_p2p_{unit}": slip[f"threshold_p2p_{unit}"]}
+    with_it, without = built(kind, "slip", **keep)[0], built(kind)[0]
+    assert (
+        with_it["slip.keep_threshold"] == without["slip.threshold"] and "slip.keep_threshold" not in without
+    )
+
+
+def test_defaults_by_part_are_those_of_the_page():
+    found = re.search(r"\n\| by part, .*?\n\n", PAGE, re.DOTALL)[0].strip().splitlines()
+    names = re.findall(r"`(\w+)`", found[0])[1:]
+    for line in found[2:]:
+        part, *cells = (cell.strip() for cell in line.strip("|").split("|"))
+        part, volts = part.split(", ")
+        adc = {"part": part, "volts": float(volts), "rate_hz": 500.0, "channels": 4}
+        build = read({"about": "part"} | EMPTY["array"] | {"adc": adc, "slip": FORCES | {"window": 8}})
+        of = {"sclk_khz": build.parameters["SclkKhz"], "contact_codes": build.settings["tare.contact"]}
+        of |= {key: build.settings[f"health.{key}"] for key in ("band", "jump")}
+        assert [of[name] for name in names] == [int(cell) for cell in cells], part
+        assert names == ["sclk_khz", "band", "jump", "contact_codes"]

@@ -266,6 +266,26 @@ def widths(name, **array):
     return config.read(name, table).widths
 
 
+@pytest.mark.parametrize(
+    "build, register, quantity, most, beyond",
+    [
+        (CHANNELS, "slip.threshold", "volts", 4.66572, 4.66573),  # 8190 · 3.3 / 4096 / sqrt(2) = 4.665722
+        (CHANNELS, "slip.contact_level", "volts", 3.2994, 3.2996),  # half a step of a sum: 4095.25 codes
+        (CHANNELS, "slip.release_level", "volts", -0.0002, -0.0003),
+        (ARRAY, "slip.threshold", "newtons", 484.958, 484.96),  # 65535 codes of 3.7 mN, times 2 at level 2
+        (ARRAY, "slip.contact_level", "newtons", 242.4795, 242.481),
+        (ARRAY, "cop.min_load", "newtons", 7274.385, 7274.386),  # 30 taxels
+        (ELECTRODES, "cop4.min_load", "newtons", 111.4095, 111.4096),  # 65535 · 1.7 mN
+        (ELECTRODES, "cop_slip.min_load", "newtons", 111.4095, 111.4096),
+    ],
+)
+def test_a_host_is_refused_what_the_build_never_reads(build, register, quantity, most, beyond):
+    units = of(build).units
+    assert units.code(register, quantity, most) >= 0
+    with pytest.raises(ValueError, match=rf"^{register}: "):
+        units.code(register, quantity, beyond)
+
+
 def test_the_bits_of_a_build():
     """A detail has level bits more than a sample; a load has 16 and those that number the taxels; an offset
     has 17."""

@@ -311,9 +311,13 @@ class Config:
         for name, value, most in levels:
             if value >= most:
                 raise ValueError(f"{name} = {value} must be below {most}, the largest step of this converter")
-        if self.slip and isinstance(self.sensor, Channels):
-            rest, release = self.rest_code << self.slip.level, self.slip.release_level
+        if self.slip:
+            rest, release = 0 if self.array else self.rest_code << self.slip.level, self.slip.release_level
             if rest >= release if self.slip.contact_rises else rest <= release:
+                if self.array:
+                    raise ValueError(
+                        "[slip]: contact_rises = false must be true for an array, whose rest is 0 N"
+                    )
                 volts = input_range.rest(*self._sensed)
                 raise ValueError(
                     f"[sensor]: rest_v = {volts:g} must be {'below' if self.slip.contact_rises else 'above'} "

@@ -4,12 +4,10 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from meissner.builds.units import Units
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import MAX_BITS, MIN_BITS, TOUCHES, Cop4Config
 from meissner.physics.mesh import Mesh
 from meissner.tables import Positive, Table, naming, one_of
-from meissner.twins.cop.cop4 import LOAD_BITS
 
 Side = Annotated[int, Meta(ge=1, le=1024)]
 
@@ -19,9 +17,9 @@ class Circuit(Table, frozen=True):
 
     rows: Side
     columns: Side
-    R0_ohm: Positive
-    V0_v: Positive
-    k_n_ohm: Positive
+    R0_ohm: Annotated[float, Meta(ge=10, le=1e7)]
+    V0_v: Annotated[float, Meta(gt=0, le=100)]
+    k_n_ohm: Annotated[float, Meta(ge=1, le=1e7)]
 
     def mesh(self, r_ohm: float) -> Mesh:
         """The mesh with resistors of ``r_ohm``."""
@@ -31,7 +29,7 @@ class Circuit(Table, frozen=True):
 class MeshKeys(Circuit, frozen=True):
     """[mesh]."""
 
-    r_ohm: Positive
+    r_ohm: Annotated[float, Meta(gt=0, le=1e6)]
 
 
 class Converter(Table, frozen=True):
@@ -63,8 +61,6 @@ def config(where: str, mesh: Mesh, converter: Converter, load: Load) -> Cop4Conf
     """The sensor of three tables; ``where`` begins the sentence of a ValueError."""
     full = converter.reference_v
     with naming(where):
-        with naming("min_n"):
-            Units(newtons_per_code=load.lsb_n, most_load=(1 << LOAD_BITS) - 1).load_code(load.min_n)
         return Cop4Config(
             mesh=mesh,
             adc=Adc(converter.bits, -full, full, getattr(converter, "noise_v", 0.0)),

@@ -13,8 +13,7 @@ from meissner.twins.frontend.adc_spi import Part
 
 NEVER = (-65536, 65535)  # 17 bits: no converter of up to 16 bits reads them
 NEAR = 64  # a sensor nearer to an end than this share of the range may read it
-VOLTS = {"mcp3208": (0.25, 5.5), "ad7606": (1, 10)}  # of the reference, or the end of a symmetric range
-OTHER_VOLTS = (1, 3.65)  # MAX1112x
+VOLTS = {False: (0.25, 5.5), True: (1, 10)}  # of a reference and a divider; of a symmetric range
 Wiring = Literal["pulled_down", "pulled_up", "differential"]
 
 
@@ -38,7 +37,7 @@ def converter(part: Part, volts: float) -> Adc:
 
     A part without a figure counts as an MCP3208. ValueError if the part does not have such a range.
     """
-    least, most = VOLTS.get(part.name, OTHER_VOLTS)
+    least, most = VOLTS[part.signed]
     if not least <= volts <= most:
         raise ValueError(f"volts = {volts:g} must lie in {least:g} .. {most:g} for the {part.name.upper()}")
     known = PARTS["AD7606" if part.signed else "MCP3208"]

@@ -47,8 +47,8 @@ class Units:
 
     ``volts_per_code``, ``low_v``, ``min_code``, ``codes`` (least, most): of a sample; ``level``: of the slip
     path; ``rate_hz``: samples per second of each channel; ``volts_of``: newtons to the sensor's volts;
-    ``newtons_per_code``: of a taxel and of a load; ``most_load``: its largest code; ``pitch_mm``: from taxel to
-    taxel.
+    ``newtons_per_code``: of a taxel and of a load; ``most_load``: its largest code; ``pitch_mm``: between
+    taxels.
     """
 
     clk_khz: int | None = None

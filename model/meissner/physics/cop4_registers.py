@@ -58,6 +58,10 @@ def cop4_registers(
     # Each electrode carries at least (1 - 1/C) / 2 of its layer's current.
     share = max([(C + 1) / (C - 1) for C in (Cx, Cy) if C] or [1])
     busy = max(round(rail - (margin + 3) * share) - 3, -adc.max_code)
+    least, most = ceil(exact(min_load) / exact(load_lsb)), (1 << LOAD_BITS) - 1
+    if least > most:
+        largest = float(most * exact(load_lsb))
+        raise ValueError(f"min_n = {min_load:g} must be at most {largest:g}, the largest load")
     found = Cop4Registers(
         rail=round(2 * rail),
         kx=kx,
@@ -70,7 +74,7 @@ def cop4_registers(
         idle=round(rail) - margin,
         busy=busy,
         imbalance=max(4, round(2 * rail * imbalance)),
-        min_load=max(1, ceil(exact(min_load) / exact(load_lsb))),
+        min_load=max(1, least),
     )
     found.check(sample_bits)
     return found
