@@ -270,7 +270,7 @@ def widths(name, **array):
     "build, register, quantity, most, beyond",
     [
         (CHANNELS, "slip.threshold", "volts", 4.66572, 4.66573),  # 8190 · 3.3 / 4096 / sqrt(2) = 4.665722
-        (CHANNELS, "slip.contact_level", "volts", 3.2994, 3.2996),  # half a step of a sum: 4095.25 codes
+        (CHANNELS, "slip.contact_level", "volts", 3.29939, 3.2996),  # half a step of a sum: 4095.25 codes
         (CHANNELS, "slip.release_level", "volts", -0.0002, -0.0003),
         (ARRAY, "slip.threshold", "newtons", 484.958, 484.96),  # 65535 codes of 3.7 mN, times 2 at level 2
         (ARRAY, "slip.contact_level", "newtons", 242.4795, 242.481),
