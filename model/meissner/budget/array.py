@@ -3,6 +3,8 @@ tb/sensor/test_array_pins.py.
 """
 
 from meissner.budget.terms import table
+from meissner.builds.units import Units
+from meissner.tables import exact
 from meissner.twins.frontend.adc_spi import PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
@@ -62,7 +64,7 @@ def budget(
     clock_hz,
     part,
     converters=None,
-    settle_s=1e-6,
+    settle_us=1.0,
     channels=None,
     sclk_khz=None,
     carrier=None,
@@ -75,17 +77,15 @@ def budget(
 
     ValueError if it cannot be built.
     """
-    if not 1e3 <= clock_hz <= 4e8 or clock_hz % 1e3:
-        raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e3 to 4e8 Hz")
+    if not 1e6 <= clock_hz <= 2e8 or clock_hz % 1e3:
+        raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e6 to 2e8 Hz")
     if converters is not None and converters not in LANES:
         raise ValueError(f"converters = {converters} must be one of: {', '.join(map(str, LANES))}")
-    if not 0 <= settle_s < 1:
-        raise ValueError(f"settle = {settle_s * 1e6:g} us must lie in 0 .. 1e6")
-    settle = -int(-settle_s * clock_hz // 1)
+    if not 0 <= settle_us <= 1000:
+        raise ValueError(f"settle-us = {settle_us:g} must lie in 0 .. 1000")
+    settle = Units(clk_khz=round(clock_hz / 1e3)).settle_clocks(exact(settle_us) / 1_000_000)
     if settle > 65535:
-        raise ValueError(
-            f"settle = {settle_s * 1e6:g} us is {settle} clocks, more than the 65535 of its register"
-        )
+        raise ValueError(f"settle-us = {settle_us:g} is {settle} clocks, more than the 65535 of its register")
 
     def found(lanes):
         if channels is not None or carrier is not None:

@@ -37,8 +37,8 @@ def _connect(
     seconds, clk_khz = getattr(arguments, "seconds", None), getattr(arguments, "clk_khz", None)
     if seconds is not None and not 0 < seconds < float("inf"):
         raise ValueError(f"seconds = {seconds:g} must be a number above 0")
-    if clk_khz is not None and clk_khz < 1:
-        raise ValueError(f"clk-khz = {clk_khz} must be 1 or more")
+    if clk_khz is not None and not 1000 <= clk_khz <= 200_000:
+        raise ValueError(f"clk-khz = {clk_khz} must lie in 1000 .. 200000, the kilohertz of a core's clock")
     known = baud = None
     if arguments.config is not None:
         build = config.load(arguments.config)
