@@ -88,7 +88,7 @@ class Config:
         """{name in core.widths: bits in this build}."""
         rows, columns = self.shape
         level = self.slip.level if self.slip else 1
-        summed = self.array is not None and self.array.gains == "row_column" and not self.array.tare
+        summed = self.array is not None and self.array.gains == "row_column"
         load = min(32, 16 + (rows * columns - 1).bit_length())
         offset = 16 if summed else 17
         return {"detail": self.sample_bits + level, "timer": self.timer_bits, "load": load, "offset": offset}
