@@ -36,7 +36,7 @@ def _run(commands):
     listing.set_defaults(call="meissner.cli:scenes")
 
     run = commands.add_parser("run", help="run a scene: physics, converter, core, report")
-    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists")
+    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists, or a TOML file")
     run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     run.add_argument("--out", metavar="DIR", help="folder for the results (build/run/SCENE)")
     run.add_argument(
