@@ -136,14 +136,14 @@ def _line_arguments(parser):
 def _budget(commands):
     parser = commands.add_parser(
         "budget",
-        help="latency of a scanned array, term by term; --config: of a grip reflex; --cop4: resolution of "
-        "a four-wire sensor",
+        help="latency of a scanned array, term by term; --config: of a build; --cop4: resolution of a "
+        "four-wire sensor",
     )
     parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
     parser.add_argument(
         "--config",
         metavar="NAME",
-        help="latency of a build's [grip], from slip to command word, and [shear_speed]",
+        help="latency of a build (a name or a TOML file): its [grip] and [shear_speed], else its sensor",
     )
     parser.add_argument("--rows", type=int, metavar="M", help="rows (64; --cop4: 41)")
     parser.add_argument("--columns", "--cols", type=int, metavar="N", help="columns (64; --cop4: 41)")

@@ -236,7 +236,9 @@ def test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error(tmp_path, 
         with pytest.raises(SystemExit) as ended:
             cli.main([*arguments, *more])
         said = capsys.readouterr()
-        assert ended.value.code == 1 and "mine: the core differs from its integer twin in 4 values" in said.err
+        assert (
+            ended.value.code == 1 and "mine: the core differs from its integer twin in 4 values" in said.err
+        )
         assert json.loads((tmp_path / "here/summary.json").read_text())["twin_mismatches"] == 4
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from meissner.builds.features import FEATURES
 from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
 from meissner.builds.units import Units
+from meissner.physics.adc import old_rows, unsettled
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, values
 from meissner.twins.cop.cop_slip import CopSlipRegisters
@@ -100,6 +101,14 @@ class Config:
     @property
     def settle_clocks(self) -> int:
         return max(1, ceil(exact(self._array_adc.settle_us) * self.clk_khz / 1000))
+
+    @property
+    def unsettled(self) -> str:
+        """The sentence about the old row that the converters' low pass leaves; empty if it settles."""
+        if not self.array:
+            return ""
+        settle_s = self.settle_clocks / (1000 * self.clk_khz)
+        return unsettled(self.adc.part, settle_s, old_rows(self.adc.part, settle_s, self.adc.volts))
 
     @cached_property
     def scan(self) -> ScanAdc:

@@ -177,7 +177,8 @@ def _panels(scene, shown, numbers):
         if cases:
             first = shown[cases[0]]
             curves = [
-                (literal(case.name.rsplit(",", 3)[0]), shown[case].time_s, _converted(shown[case])) for case in cases
+                (literal(case.name.rsplit(",", 3)[0]), shown[case].time_s, _converted(shown[case]))
+                for case in cases
             ]
             title = f"Fig. {number}: {speed:g} mm/s"
             yield Sheared(title, curves, first.start_s, first.stop_s, cases[0].rest_v + step_v)
