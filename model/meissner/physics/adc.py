@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Bools, Floats, Ints
+from meissner.arrays import Bools, Floats, Ints, check_finite, finite
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,8 @@ class Adc:
             raise ValueError(f"bits = {self.bits} must be from 1 to 24")
         if self.low_v not in (0, -self.high_v) or self.high_v <= 0:
             raise ValueError(f"the range {self.low_v} V to {self.high_v} V must start at 0 V or be symmetric")
+        for name in ("low_v", "high_v", "noise_v"):
+            check_finite(name, getattr(self, name))
         if self.noise_v < 0:
             raise ValueError(f"noise_v = {self.noise_v} must not be negative")
 
@@ -51,6 +53,7 @@ class Adc:
     def max_code(self) -> int:
         return self.min_code + (1 << self.bits) - 1
 
+    @finite
     def convert(self, volts: ArrayLike, rng: np.random.Generator | None = None) -> tuple[Ints, Bools]:
         """Codes and over-range of ``volts``, of their shape; no noise without ``rng``."""
         volts = np.asarray(volts, dtype=float)
@@ -60,6 +63,7 @@ class Adc:
         codes = np.floor((volts - self.low_v) / self.lsb_v + 0.5) + self.min_code
         return np.clip(codes, self.min_code, self.max_code).astype(np.int64), over_range
 
+    @finite
     def volts_of(self, codes: ArrayLike) -> Floats:
         """The voltage at the centre of each code."""
         return (np.asarray(codes) - self.min_code) * self.lsb_v + self.low_v
@@ -77,13 +81,21 @@ class LowPass:
 
     corner_hz: float
 
+    def __post_init__(self) -> None:
+        check_finite("corner_hz", self.corner_hz)
+        if self.corner_hz <= 0:
+            raise ValueError(f"corner_hz = {self.corner_hz:g} must be above 0")
+
+    @finite
     def gain(self, hertz: float) -> float:
         return 1 / math.sqrt(1 + (hertz / self.corner_hz) ** 4)
 
+    @finite
     def left(self, seconds: float) -> float:
         w = math.sqrt(2) * math.pi * self.corner_hz * seconds
         return math.exp(-w) * (math.cos(w) + math.sin(w))
 
+    @finite
     def settled_s(self, share: float) -> float:
         """Seconds from which on the envelope sqrt(2) exp(-w), so ``left`` too, is at most ``share``."""
         return math.log(math.sqrt(2) / share) / (math.sqrt(2) * math.pi * self.corner_hz)
@@ -104,6 +116,7 @@ CORNERS_HZ = {"AD7606": {5.0: 15e3, 10.0: 23e3}}
 SETTLED = 0.01  # share of the old row that a scan may read without a warning
 
 
+@finite
 def old_rows(part: str, settle_s: float, volts: float | None = None) -> list[dict[str, float]]:
     """For each range of a part with a low pass its ``range_v``, ``corner_hz`` and ``left``: the share of the
     old row in a taxel that is sampled ``settle_s`` after the lines were switched.
