@@ -44,7 +44,7 @@ def _run(commands):
     listing.set_defaults(call="meissner.cli:scenes")
 
     run = commands.add_parser("run", help="run a scene: physics, converter, core, report")
-    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists")
+    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists, or a TOML file")
     run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     _out(run, "DIR", "folder for the results (build/run/SCENE)", holds="summary.json")
     run.add_argument(
@@ -152,14 +152,14 @@ def _line_arguments(parser):
 def _budget(commands):
     parser = commands.add_parser(
         "budget",
-        help="latency of a scanned array, term by term; --config: of a grip reflex; --cop4: resolution of "
-        "a four-wire sensor",
+        help="latency of a scanned array, term by term; --config: of a build; --cop4: resolution of a "
+        "four-wire sensor",
     )
     parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
     parser.add_argument(
         "--config",
         metavar="NAME",
-        help="latency of a build's [grip], from slip to command word, and [shear_speed]",
+        help="latency of a build (a name or a TOML file): its [grip] and [shear_speed], else its sensor",
     )
     parser.add_argument("--rows", type=int, metavar="M", help="rows (64; --cop4: 41)")
     parser.add_argument("--columns", "--cols", type=int, metavar="N", help="columns (64; --cop4: 41)")

@@ -11,7 +11,8 @@ from meissner.builds.features import FEATURES
 from meissner.builds.input_range import Sensed, Wiring
 from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
 from meissner.builds.units import Units
-from meissner.physics import adc
+from meissner.physics.adc import Adc as Converter
+from meissner.physics.adc import old_rows, unsettled
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, naming, values
 from meissner.twins.cop.cop4 import LOAD_BITS
@@ -106,6 +107,14 @@ class Config:
     def settle_clocks(self) -> int:
         return max(1, ceil(exact(self._array_adc.settle_us) * self.clk_khz / 1000))
 
+    @property
+    def unsettled(self) -> str:
+        """The sentence about the old row that the converters' low pass leaves; empty if it settles."""
+        if not self.array:
+            return ""
+        settle_s = self.settle_clocks / (1000 * self.clk_khz)
+        return unsettled(self.adc.part, settle_s, old_rows(self.adc.part, settle_s, self.adc.volts))
+
     @cached_property
     def scan(self) -> ScanAdc:
         """Twin of the scan, for an array."""
@@ -123,7 +132,7 @@ class Config:
         return AdcSpi(*sizes, self.sample_bits)
 
     @cached_property
-    def input(self) -> adc.Adc:
+    def input(self) -> Converter:
         """The converter's range, codes and noise."""
         return input_range.converter(self.part, self.adc.volts)
 
@@ -132,7 +141,7 @@ class Config:
         return self.input.lsb_v
 
     @property
-    def _sensed(self) -> tuple[adc.Adc, Sensed, Wiring]:
+    def _sensed(self) -> tuple[Converter, Sensed, Wiring]:
         """A pull-up is usual where the code falls with the force."""
         assert isinstance(self.sensor, Sensed)
         falls = self.slip is not None and not self.array and not self.slip.contact_rises
