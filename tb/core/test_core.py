@@ -370,6 +370,12 @@ async def counts_over_the_whole_width(dut):
         dut.rst_i.value = int(39 <= clock < 43)
         for port in inputs:
             port.value = draw.getrandbits(len(port))
+    for start in bench.carries(dut.now) if bench.whole(dut) else ():
+        dut.u_link.now_o.value = start
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        assert bench.read(dut.now) == (start + 1) % 2**48
+        await FallingEdge(dut.clk_i)
     await RisingEdge(dut.clk_i)
 
 
