@@ -4,10 +4,12 @@ SciPy, PyWavelets or Matplotlib, which would add a second to every start."""
 
 import argparse
 import json
+import shlex
 import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 from meissner.parser import parser
 
@@ -38,6 +40,20 @@ def commands(at, path=()):
 
 
 EVERY = list(commands(parser()))
+
+
+@pytest.mark.parametrize("command", [("log",), ("replay",)])
+def test_the_example_of_a_commands_help_is_a_whole_command(command):
+    """Both need --out, so the first line that a user copies has it."""
+    done = subprocess.run(
+        [sys.executable, "-m", "meissner.cli", *command, "--help"],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    example = done.stdout.partition("example: meissner ")[2].splitlines()[0]
+    taken = parser().parse_args(shlex.split(example))
+    assert (taken.command,) == command and taken.out
 
 
 def imported(*lines, cwd=None):

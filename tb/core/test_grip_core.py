@@ -34,6 +34,7 @@ SILENT, UNHEALTHY, LIMIT = 1, 2, 4
 def build():
     table = tomllib.loads((config.FOLDER / "grip.toml").read_text())
     table["clock"]["mhz"] = 4.0
+    table["sensor"]["rest_v"] = 4.9  # below the highest code, so both ends of the range are faults
     table["grip"] |= {"cycle_ms": 7.0, "step": STEP, "rate": RATE}
     return config.read("hand", table)
 

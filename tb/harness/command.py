@@ -51,6 +51,9 @@ def meissner(*arguments, cwd="."):
             path.touch()
         process = _forkserver().Process(target=_run, args=(arguments, str(cwd), streams))
         process.start()
-        process.join()
+        try:
+            process.join()
+        finally:
+            process.kill()  # if the test's time is over; multiprocessing would wait for it at the end
         out, err = (path.read_text("utf-8") for path in streams)
     return subprocess.CompletedProcess(arguments, process.exitcode, out, err)
