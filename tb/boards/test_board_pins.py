@@ -1,6 +1,6 @@
 """Each board's description against the pins that it cites, copied by hand from that file: clock, line, LEDs,
-headers and converter. LEDs by what their names say, in every combination of flags. PLLs by arithmetic from the
-oscillator, within the limits of their data sheets."""
+headers and converter. LEDs by what their names say, in every combination of flags. PLLs by arithmetic from
+the oscillator, within the limits of their data sheets."""
 
 import json
 import re

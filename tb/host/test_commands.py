@@ -179,14 +179,14 @@ def test_log_and_replay(meissner, port):
         assert (code, err) == (0, "meissner: stopped\n")
         rows = {key: len(a) for key, a in log.read(name).items() if key.endswith("_ns") and a.ndim}
         assert int(out.split()[0]) == sum(rows.values()) > 0 and " 0 lost, 0 damaged" in out
-        code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz")
+        code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz", "--overwrite")
         assert (code, err) == (0, "")
         assert "of 25×5 on engine fixed" in out and ", of which 0 differ; out.npz" in out
         result, found = np.load("out.npz"), log.read(name)
         again = engines.process_cop(found["image"], "fixed", int(found["min_load"]))
         assert all(np.array_equal(result[field], again[field]) for field in again)
         assert result["logged"][1:].all()  # the first one's CoP may have come before the log began
-        code, out, _ = meissner("replay", name, "--min-load", 1 << 20, "--out", "out.npz")
+        code, out, _ = meissner("replay", name, "--min-load", 1 << 20, "--out", "out.npz", "--overwrite")
         assert code == 0 and "(at most: x " in out and "pressed 1" in out
 
 

@@ -4,13 +4,14 @@ A threshold is on the peak to peak of the normalised Haar coefficient, as the co
 threshold on the coefficient itself, of both signs, is half of that.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import msgspec
 
 from meissner.builds.units import Units
-from meissner.tables import NotNegative, Table, exact
+from meissner.tables import NotNegative, Table, exact, naming, whole
 from meissner.twins.slip.config import SWITCHES, SlipConfig
 
 if TYPE_CHECKING:
@@ -23,6 +24,10 @@ else:  # a setting of SlipConfig that is on or off is a key of the table
         kw_only=True,
         frozen=True,
     )
+
+
+LONGEST_S = 5  # of a window: where it is more, the rate was given in another unit
+TIMES = ("hold", "refractory", "blank")
 
 
 class SlipTable(Switches, frozen=True):
@@ -82,18 +87,36 @@ class SlipTable(Switches, frozen=True):
         volts = self.UNIT == "v"
         detail = units.detail_code if volts else units.detail_code_of_newtons
         level = units.level_code if volts else units.level_code_of_newtons
+        if units.rate_hz is not None and self.window > LONGEST_S * units.rate_hz:
+            least = self.window / LONGEST_S
+            raise ValueError(
+                f"window = {self.window} at rate_hz = {units.rate_hz:g} must not last more than "
+                f"{LONGEST_S} s: a rate of at least {least:g} Hz"
+            )
+
+        def of(name: str, convert: Callable[[float], int]) -> int:
+            key = f"{name}_{self.UNIT}"
+            with naming(key):
+                return convert(getattr(self, key))
+
+        thresholds = {name: of(f"{name}_p2p", detail) for name in ("threshold", "gross_threshold")}
+        levels = {name: of(name, level) for name in ("contact_level", "release_level")}
+        if units.codes:
+            ends = [code << self.level for code in units.codes]
+            if levels["release_level"] == ends[0 if self.contact_rises else 1]:
+                raise ValueError(
+                    f"release_level_{self.UNIT} = {self.amount('release_level'):g} must be within the "
+                    "range: a sensor at its end is never released"
+                )
+        details = exact(units.rate_hz or 0) / 1000 / (1 << self.level)
         return SlipConfig(
             window=self.window,
             hop=self.window if self.hop is None else self.hop,
             level=self.level,
-            threshold=detail(self.amount("threshold_p2p")),
-            gross_threshold=detail(self.amount("gross_threshold_p2p")),
-            keep_threshold=None if self.keeps is None else detail(self.keeps),
-            contact_level=level(self.amount("contact_level")),
-            release_level=level(self.amount("release_level")),
-            hold=units.details(exact(self.hold_ms) / 1000),
-            refractory=units.details(exact(self.refractory_ms) / 1000),
-            blank=units.details(exact(self.blank_ms) / 1000),
+            **thresholds,
+            keep_threshold=None if self.keeps is None else of("keep_threshold_p2p", detail),
+            **levels,
+            **{name: whole(f"{name}_ms", getattr(self, f"{name}_ms"), details) for name in TIMES},
             **{name: getattr(self, name) for name in SWITCHES},
         )
 
@@ -115,7 +138,7 @@ class SlipOfScene(SlipVolts, frozen=True):
 
     RENAMED: ClassVar = {
         **{key: (name, 2) for key, (name, _) in SlipVolts.RENAMED.items()},
-        **{f"{key}_s": (f"{key}_ms", 1000) for key in ("hold", "refractory", "blank")},
+        **{f"{key}_s": (f"{key}_ms", 1000) for key in TIMES},
         **{f"{key}_v": (f"{key}_level_v", 1) for key in ("contact", "release")},
     }
 

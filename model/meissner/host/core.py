@@ -93,6 +93,7 @@ class Core:
         self._down: float | None = None  # since when
         self._reason, self._try_at, self._wait_s = "", 0.0, FIRST_WAIT_S
         self._ended = False
+        self.after_reset: Callable[[], object] = lambda: None  # called when the settings are written again
         if registers:
             try:
                 self._identify()
@@ -415,6 +416,7 @@ class Core:
         again = f": {len(known)} settings were written again" if self.registers else ""
         self._resets = 0
         self.say(f"the core on {self.line.name} was reset{times}{again}")
+        self.after_reset()
         return True
 
     def _has(self, group: Group) -> bool:
