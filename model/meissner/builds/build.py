@@ -74,6 +74,11 @@ class Config:
         return 4 if isinstance(self.sensor, Electrodes) else 1
 
     @property
+    def slip_pins(self) -> int:
+        """Channels whose slip has a pin of its own."""
+        return self.channels if self.link.slip_pins else 0
+
+    @property
     def sample_bits(self) -> int:
         return 13 if self.serial else SAMPLE_BITS
 
@@ -291,6 +296,8 @@ class Config:
             FEATURES[name].check(self)
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
+        if self.link.slip_pins and self.kind != "channels":
+            raise ValueError("[link]: slip_pins must go with single channels")
         if self.link.images and not self.array:
             raise ValueError("[link]: images must go with an array")
         if self.link.baud * 4 > self.clk_khz * 1000:
