@@ -11,7 +11,7 @@ from meissner.builds.features import FEATURES
 from meissner.builds.input_range import Sensed, Wiring
 from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
 from meissner.builds.units import Units
-from meissner.physics import adc
+from meissner.physics.adc import Adc as Converter
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, naming, values
 from meissner.twins.cop.cop4 import LOAD_BITS
@@ -123,7 +123,7 @@ class Config:
         return AdcSpi(*sizes, self.sample_bits)
 
     @cached_property
-    def input(self) -> adc.Adc:
+    def input(self) -> Converter:
         """The converter's range, codes and noise."""
         return input_range.converter(self.part, self.adc.volts)
 
@@ -132,7 +132,7 @@ class Config:
         return self.input.lsb_v
 
     @property
-    def _sensed(self) -> tuple[adc.Adc, Sensed, Wiring]:
+    def _sensed(self) -> tuple[Converter, Sensed, Wiring]:
         """A pull-up is usual where the code falls with the force."""
         assert isinstance(self.sensor, Sensed)
         falls = self.slip is not None and not self.array and not self.slip.contact_rises
@@ -190,7 +190,7 @@ class Config:
                 found |= {f"health.{key}": value for key, value in given.items()}
                 found |= {f"health.{key}": code for key, code in self.rails._asdict().items()}
             if self.tare:
-                found |= {"tare.contact": self.tare.contact_codes, "tare.step": self.tare.step}
+                found |= {"tare.contact": values(self.tare)["contact_codes"], "tare.step": self.tare.step}
         else:
             found |= {"adc.enable": 1, "adc.period": self.period_clocks}
         if self.slip:
@@ -299,15 +299,12 @@ class Config:
         if not isinstance(self.sensor, Electrodes):
             with naming("[sensor]"):
                 above = self.input.max_code - self.rest_code
-        levels = [("[tare]: contact_codes", self.tare.contact_codes, above)] if self.tare else []
+        levels = [("[tare]: contact_codes", values(self.tare)["contact_codes"], above)] if self.tare else []
         if self.health:
-            names = ("band", "jump") if self.health.blink else ("band",)
-            levels += [(f"[health]: {name}", getattr(self.health, name), span) for name in names]
-            if self.health.blink and self.health.jump < self.health.band:
-                raise ValueError(
-                    f"[health]: jump = {self.health.jump} must be at least band = {self.health.band}: a step "
-                    "that is no move is no jump"
-                )
+            band, jump, blink = (values(self.health)[key] for key in ("band", "jump", "blink"))
+            levels += [("[health]: band", band, span)] + ([("[health]: jump", jump, span)] if blink else [])
+            if blink and jump < band:
+                raise ValueError(f"[health]: jump = {jump} must be at least band = {band}: a jump is a move")
         for name, value, most in levels:
             if value >= most:
                 raise ValueError(f"{name} = {value} must be below {most}, the largest step of this converter")
