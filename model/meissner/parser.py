@@ -44,7 +44,7 @@ def _run(commands):
     listing.set_defaults(call="meissner.cli:scenes")
 
     run = commands.add_parser("run", help="run a scene: physics, converter, core, report")
-    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists")
+    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists, or a TOML file")
     run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     _out(run, "DIR", "folder for the results (build/run/SCENE)", holds="summary.json")
     run.add_argument(
@@ -110,13 +110,19 @@ def _host(commands):
     _line_arguments(live)
     live.set_defaults(call="meissner.host.commands:live")
 
-    log = commands.add_parser("log", help="write a core's packets to MCAP (ROS 2) or npz")
+    log = commands.add_parser(
+        "log",
+        help="write a core's packets to MCAP (ROS 2) or npz: log PORT --out FILE.mcap",
+        epilog="example: meissner log serial:/dev/ttyUSB0 --out touch.mcap",
+    )
     _line_arguments(log)
     _out(log, "FILE", "a .mcap or a .npz file", required=True)
     log.set_defaults(call="meissner.host.commands:log")
 
     replay = commands.add_parser(
-        "replay", help="run a log's images through an engine and compare with the core's own results"
+        "replay",
+        help="compare an engine's results for a log's images with the core's own: replay LOG --out OUT.npz",
+        epilog="example: meissner replay touch.mcap --out compared.npz",
     )
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")
@@ -146,14 +152,14 @@ def _line_arguments(parser):
 def _budget(commands):
     parser = commands.add_parser(
         "budget",
-        help="latency of a scanned array, term by term; --config: of a grip reflex; --cop4: resolution of "
-        "a four-wire sensor",
+        help="latency of a scanned array, term by term; --config: of a build; --cop4: resolution of a "
+        "four-wire sensor",
     )
     parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
     parser.add_argument(
         "--config",
         metavar="NAME",
-        help="latency of a build's [grip], from slip to command word, and [shear_speed]",
+        help="latency of a build (a name or a TOML file): its [grip] and [shear_speed], else its sensor",
     )
     parser.add_argument("--rows", type=int, metavar="M", help="rows (64; --cop4: 41)")
     parser.add_argument("--columns", "--cols", type=int, metavar="N", help="columns (64; --cop4: 41)")

@@ -236,6 +236,59 @@ def test_run_finds_the_slip_on_the_core(tmp_path):
     assert 0 <= summary["delay_s"] < summary["gross_s"] - summary["onset_s"]
 
 
+def own_scene(folder):
+    """A user's scene in ``folder``: one press, one seed, and a title that is no formula."""
+    text = scenes.source("normal_force").replace("seeds = 100", "seeds = 1")
+    text = text.replace('title = "', "title = 'mine: $5^{ ").replace('slip"\n', "slip'\n", 1)
+    (folder / "mine.toml").write_text(text, "utf-8")
+
+
+def test_a_scene_of_ones_own_runs_by_its_file(tmp_path):
+    own_scene(tmp_path)
+    done = meissner("run", "mine.toml", "--seed", 7, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("mine: mine: $5^{ ") and "2 runs, seeds 7 to 7" in done.stdout
+    assert {path.name for path in (tmp_path / "build/run/mine").iterdir()} >= {"report.html", "mine_1.png"}
+    for arguments, said in (
+        (("mine.toml", "--waves"), "--waves requires --engine rtl"),
+        (("other.toml",), "other.toml"),
+        (("mine",), "unknown scene 'mine'; name a .toml file, or one of: acrylic_slip"),
+    ):
+        done = meissner("run", *arguments, cwd=tmp_path)
+        assert done.returncode == 2 and said in done.stderr and done.stderr.count("\n") == 1
+    for name in scenes.names():
+        copy = tmp_path / f"{name}.toml"
+        copy.write_text(scenes.source(name), "utf-8")
+        assert repr(scenes.load(str(copy))) == repr(scenes.load(name))
+
+
+def test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error(tmp_path, monkeypatch, capsys):
+    """With every option; then with one state of the twin changed, whether or not JSON is asked for."""
+    own_scene(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    arguments = ["run", "mine.toml", "--engine", "rtl", "--seed", "7", "--out", "here"]
+    cli.main([*arguments, "--waves", "--json"])
+    found = json.loads(capsys.readouterr().out)
+    assert (found["scene"], found["seeds"], found["twin_mismatches"]) == ("mine", [7, 7], 0)
+    assert "waves.vcd" in found["files"] and (tmp_path / "here/waves.vcd").stat().st_size > 1000
+    right = engines.fixed.watch
+
+    def wrong(*given):
+        watched = right(*given)
+        watched.state[0, -1] += 1
+        return watched
+
+    monkeypatch.setattr(engines.fixed, "watch", wrong)
+    for more in ([], ["--json"]):
+        with pytest.raises(SystemExit) as ended:
+            cli.main([*arguments, *more])
+        said = capsys.readouterr()
+        assert (
+            ended.value.code == 1 and "mine: the core differs from its integer twin in 4 values" in said.err
+        )
+        assert json.loads((tmp_path / "here/summary.json").read_text())["twin_mismatches"] == 4
+
+
 def test_run_says_what_came_of_it(tmp_path):
     done = meissner("run", "cop_six_random", "--engine", "float", "--out", "results", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")

@@ -67,7 +67,7 @@ gain = = 3 (TOML)
 lsb_n = 0
 lsb_n = 1e-12 (Kf)
 min_n = -0.05 | nan
-min_n = 70 (min_load)
+min_n = 70 (min_n)
 correction = "palm" | true
 """
 

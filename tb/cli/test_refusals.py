@@ -94,10 +94,10 @@ COMMAND: ;
 x1b: run x "--\x1b[2J"; slip "\x1b[2J\u202e\n.npy"
 telepathy: live telepathy
 seconds: live sim: --seconds 0; live sim: --seconds nan
-clk-khz: live sim: --clk-khz 0
+clk-khz: live sim: --clk-khz 0; live sim: --clk-khz 999; live sim: --clk-khz 12000000
 reached: regs file:a.bin
 a.txt: log sim: --out a.txt
-clock: log file:a.bin; budget --clock 1; budget --clock nan
+clock: log file:a.bin; budget --clock 12; budget --clock 12000; budget --clock 2.1e8; budget --clock nan
 a.bin: replay a.bin
 empty.mcap: replay empty.mcap
 oracle: replay empty.mcap --engine oracle

@@ -37,8 +37,8 @@ def _connect(
     seconds, clk_khz = getattr(arguments, "seconds", None), getattr(arguments, "clk_khz", None)
     if seconds is not None and not 0 < seconds < float("inf"):
         raise ValueError(f"seconds = {seconds:g} must be a number above 0")
-    if clk_khz is not None and clk_khz < 1:
-        raise ValueError(f"clk-khz = {clk_khz} must be 1 or more")
+    if clk_khz is not None and not 1000 <= clk_khz <= 200_000:
+        raise ValueError(f"clk-khz = {clk_khz} must lie in 1000 .. 200000, the kilohertz of a core's clock")
     known = baud = lines = None
     if arguments.calibration is not None:
         lines = calibration.load(arguments.calibration)
@@ -259,11 +259,10 @@ def replay(arguments: Namespace) -> None:
 
     engines.load(arguments.engine)
     found = log.read(arguments.log)
-    min_load = int(found.get("min_load", 1)) if arguments.min_load is None else arguments.min_load
-    if min_load < 0:
-        raise ValueError(f"min-load = {min_load} must not be negative")
+    if arguments.min_load is not None and arguments.min_load < 0:
+        raise ValueError(f"min-load = {arguments.min_load} must not be negative")
     with files.results(arguments.out) as save:
-        result = replay(found, arguments.engine, min_load)
+        result = replay(found, arguments.engine, arguments.min_load)
         save(result)
     both, wrong, largest = differences(result)
     frames, rows, columns = found["image"].shape
