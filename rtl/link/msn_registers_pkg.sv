@@ -286,7 +286,7 @@ package msn_registers_pkg;
     Widths     // the bits that a build has for fields that are held to them
   } kind_e;
 
-  // When a written setting takes effect. AtScan: as AtOnce for the registers; the scan waits for its next frame.
+  // When a written setting takes effect. AtScan: as AtOnce for the registers; the scan waits for a frame.
   typedef enum logic [2:0] {AtOnce, AtFrame, AtScan, WhileOff, AtReset} applies_e;
 
   // The bits that a build has for a field: all, or its parameter DetailBits ...

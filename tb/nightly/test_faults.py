@@ -33,10 +33,10 @@ def planted(monkeypatch, tmp_path, block, good, bad):
 
 
 def _with(program, paths):
-    def made(block):
+    def made(*given):
         before, toolchain.sources_of = toolchain.sources_of, lambda _: paths
         try:
-            return program(block)
+            return program(*given)
         finally:
             toolchain.sources_of = before
 
