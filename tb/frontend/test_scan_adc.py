@@ -340,7 +340,6 @@ EVIDENCE = {
     "equivalence": {"size": {"Rows": 3, "Columns": 3}, "defined": True, "boxes": True},
     "faults": {
         "size": {"Rows": 3, "Columns": 3},
-        "more": [{"Depth": 8}],
         "driver": {
             "free": 40000,
             # Counters up to a scan's next row and frame.
