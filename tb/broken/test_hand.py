@@ -154,9 +154,31 @@ def test_a_threshold_that_does_not_follow_vc_is_deaf_where_the_sensor_is_pressed
     unchanged."""
     rest_volts = rubber.rest_volts
     monkeypatch.setattr(rubber, "rest_volts", lambda force_n: rest_volts(6.0 * force_n))
-    deaf, follows = (row(run(few(threshold_p2p_v=volts), "fixed", tmp_path)) for volts in (0.02, None))
+    law = {"threshold_p2p_share": 0.016}
+    deaf, follows = (
+        row(run(few(threshold_p2p_v=volts, slip=law), "fixed", tmp_path)) for volts in (0.02, None)
+    )
     assert follows["grip_ratio_mean"] > deaf["grip_ratio_mean"] + 0.03
     assert follows["slip_mm_max"] == 0 and follows["tightenings"] > deaf["tightenings"] + 10
+
+
+def test_events_of_half_the_size_are_held_by_the_quiet_sensor_s_threshold_only(tmp_path):
+    """Paper, whose events are 0.7 of acrylic's, and half of those: with the published 0.02 V all fall."""
+    given = {"material": "paper", "events": 0.5}
+    quiet = run(few(**given), "fixed", tmp_path)
+    assert quiet["dropped_rate"]["count"] == 0 and quiet["slip_mm_max"] < 0.01
+    assert run(few(threshold_p2p_v=0.02, **given), "fixed", tmp_path)["dropped_rate"]["count"] == RUNS
+
+
+def test_without_the_host_s_answer_to_a_gross_slip_a_quick_tug_is_worse(tmp_path):
+    """1.2 N within 0.4 s at a glass of cloth's friction and half its events; the host raises the floor."""
+    found = {}
+    for share in (0.0, None):
+        scene = few("grip_disturb", material="cloth", events=0.5)
+        grip = scene.grip if share is None else scene.grip | {"gross_share": share}
+        scene = replace(scene, world=scene.world | {"tugs": [(2.0, 0.4, 1.2)]}, grip=grip)
+        found[share] = run(scene, "fixed", tmp_path)
+    assert found[None]["dropped_rate"]["count"] == 0 < found[0.0]["dropped_rate"]["count"]
 
 
 def test_quieter_events_leave_less_to_spare(sound, tmp_path, monkeypatch):

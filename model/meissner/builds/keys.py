@@ -7,7 +7,7 @@ from msgspec import Meta
 
 from meissner.builds.cop_tables import Cop, CopSlipKeys
 from meissner.builds.features import FEATURES
-from meissner.builds.four_wires import Load, MeshKeys
+from meissner.builds.four_wires import DifferenceGain, Load, MeshKeys
 from meissner.builds.slip_table import SlipNewtons, SlipVolts
 from meissner.tables import Positive, Table, one_of, shown
 from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
@@ -107,6 +107,7 @@ class AmplifiedLoad(Load, frozen=True):
     """[load] of a build, whose converter has its own table."""
 
     gain: Positive = 1.0
+    difference_gain: DifferenceGain = 1.0
 
 
 class File(Table, frozen=True):

@@ -73,6 +73,13 @@ PARTS = {
     "MCP3208": Adc(bits=12, low_v=0.0, high_v=5.0, noise_v=MCP3208_NOISE_V),
     "AD7606": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=AD7606_NOISE_V),
 }
+
+
+def part_noise_v(part: str, volts: float) -> float:
+    """A part's own noise at a full scale of ``volts``; in proportion to its range."""
+    return PARTS[part].noise_v * volts / PARTS[part].high_v
+
+
 ORIGINS = {
     "MCP3208_NOISE_V": (
         "computed",
