@@ -185,7 +185,11 @@ def test_the_scene_has_the_shipped_configuration_and_follows_it(tmp_path):
         tmp_path,
         *(("r_ohm = 100.0", "r_ohm = 90.0"), ("volts = 5.0", "volts = 10.0"), ("gain = 0.3", "gain = 0.6")),
         *(("difference_gain = 16.0", "difference_gain = 9.0"), ("rate_hz = 1000.0", "rate_hz = 800.0")),
-        *(("lag_ms = 128.0", "lag_ms = 40.0"), ("drop = 0.3 ", "drop = 0.25 "), ("min_n = 0.3", "min_n = 0.2")),
+        *(
+            ("lag_ms = 128.0", "lag_ms = 40.0"),
+            ("drop = 0.3 ", "drop = 0.25 "),
+            ("min_n = 0.3", "min_n = 0.2"),
+        ),
     )
     assert other.config.mesh.r == 90 and other.rate_hz == 800 and other.lag == 32
     assert (other.config.adc.noise_v, other.config.adc.high_v) == (234e-6, 10)  # in proportion to the range
@@ -203,7 +207,9 @@ def test_the_amplifiers_keep_the_mean_and_multiply_the_difference():
     config = Cop4Config(mesh, Adc(16, -5.0, 5.0), 0.3, difference_gain=4.0)
     volts = np.array([[9.9, -10.3, 10.1, -10.1]])
     assert config.convert(volts).tolist() == [[18874, -20840, 20447, -19268]]  # 9.6, -10.6, 10.4, -9.8 V
-    assert Cop4Config(mesh, Adc(16, -5.0, 5.0), 0.3).convert(volts).tolist() == [[19464, -20251, 19857, -19857]]
+    assert Cop4Config(mesh, Adc(16, -5.0, 5.0), 0.3).convert(volts).tolist() == [
+        [19464, -20251, 19857, -19857]
+    ]
     assert mesh.Cx == pytest.approx(24 + 2 / 3)
     Cop4Config(mesh, Adc(16, -5.0, 5.0), 0.3, difference_gain=24.6)
     with pytest.raises(ValueError, match="difference_gain"):

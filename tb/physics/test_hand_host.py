@@ -47,7 +47,9 @@ def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, nu
     scene = scenes.load("grip_disturb")
     scene = replace(scene, grip=scene.grip | {"calm_share": 0.004, "calm_decay_share": 0.09})
     reflexes = Written()
-    ours = host.Host(scene, scene.conditions[number], reflexes, np.array([3.0, 1.8]), np.array([0.004, 0.005]))
+    ours = host.Host(
+        scene, scene.conditions[number], reflexes, np.array([3.0, 1.8]), np.array([0.004, 0.005])
+    )
     finer = 5 if cycles == 10 else 1
     strong = ([80 * finer, 160 * finer], [1, 1] if finer == 5 else [2, 2])
     calm = ([40 * finer, 80 * finer], [4, 9] if finer == 5 else [9, 18])
@@ -71,7 +73,9 @@ def test_a_scene_without_a_share_and_a_condition_with_a_step_keep_their_own(off,
     scene = scenes.load("grip_disturb")
     scene = replace(scene, grip=scene.grip | off | {"rule": "any"})
     reflexes = Written()
-    ours = host.Host(scene, structs.replace(scene.conditions[0], **changes), reflexes, np.array([3.0]), np.array([0.004]))
+    ours = host.Host(
+        scene, structs.replace(scene.conditions[0], **changes), reflexes, np.array([3.0]), np.array([0.004])
+    )
     for cycle in range(500):
         ours.write(cycle)
         ours.read(np.array([3.0]), np.array([20000]), np.zeros(1, dtype=bool))
@@ -89,7 +93,9 @@ def test_a_gross_slip_raises_the_floor_which_then_falls(monkeypatch, number, cyc
     scene = scenes.load("grip_disturb")
     scene = replace(scene, grip=scene.grip | {"gross_share": 0.125, "floor_decay_share": 0.02})
     reflexes, finer = Written(), 5 if cycles == 10 else 1
-    ours = host.Host(scene, scene.conditions[number], reflexes, np.array([3.0, 1.8]), np.array([0.004, 0.005]))
+    ours = host.Host(
+        scene, scene.conditions[number], reflexes, np.array([3.0, 1.8]), np.array([0.004, 0.005])
+    )
     least, top = (0, 65535) if finer == 5 else (1000, 60000)
     commands = {0: 30000 // finer, 2: 29000 // finer, 4: top - 1000}
     for cycle in range(6 * cycles):
@@ -112,21 +118,18 @@ def test_the_quiet_sensor_is_what_its_codes_say_while_it_closes(monkeypatch):
     usual_v = host.quiet_v(scene, scene.conditions[0], [1, 2, 3])
     assert len(usual_v) == 3 and (usual_v > 0.003).all() and (usual_v < 0.007).all()
     monkeypatch.setattr(host.plate, "RIPPLE_N", 0.0)
-    part = scene.adc
-    for noise_v in (0.0, 5 * part.noise_v):
-        monkeypatch.setitem(base.PARTS, "MCP3208", replace(part, noise_v=noise_v))
-        found = host.quiet_v(scene, scene.conditions[0], [1, 2, 3])
-        if noise_v:
-            assert (found > 2 * quiet).all() and len(set(found.tolist())) > 1
-            continue
-        code = [int(v * 4096 / 5 + 0.5) for v in rubber.rest_volts(np.maximum(np.arange(30000) / 1e4, 1e-6))]
-        code = [min(one, 4095) for one in code]
-        spreads = []
-        for at in range(0, 30000 - 63, 64):
-            differences = [code[k] - code[k + 1] for k in range(at, at + 64, 2)]
-            spreads.append(max(differences) - min(differences))
-        quiet = max(spreads) * 5 / 4096 / 2**0.5
-        assert found.tolist() == pytest.approx([quiet] * 3)
+    volts = rubber.rest_volts(np.maximum(np.arange(30000) / 1e4, 1e-6))
+    code = [min(int(v * 4096 / 5 + 0.5), 4095) for v in volts]
+    spreads = []
+    for at in range(0, 30000, 64):
+        differences = [code[k] - code[k + 1] for k in range(at, min(at + 64, 30000), 2)]
+        spreads.append(max(differences) - min(differences))
+    without_v = max(spreads) * 5 / 4096 / 2**0.5
+    monkeypatch.setitem(base.PARTS, "MCP3208", replace(scene.adc, noise_v=0.0))
+    assert host.quiet_v(scene, scene.conditions[0], [1, 2, 3]).tolist() == pytest.approx([without_v] * 3)
+    monkeypatch.setitem(base.PARTS, "MCP3208", replace(scene.adc, noise_v=5 * 0.198e-3))
+    noisy_v = host.quiet_v(scene, scene.conditions[0], [1, 2, 3])
+    assert (noisy_v > 2 * without_v).all() and len(set(noisy_v.tolist())) > 1
     threshold = scene.threshold(scene.conditions[0], np.ones(2), np.array([0.004, 0.02]))
     assert threshold.tolist() == [5, 28]  # 1.25 · 0.004 V: 5.79 codes; 28.96
 

@@ -33,7 +33,7 @@ change of the normal force. Ours are the scenes `acrylic_slip`, `slip_forces`, `
 events and of the ripple were chosen to match the paper's ±0.04 V and ±0.005 V, so those rows are no evidence
 about a real sensor, and one threshold separates all cases because of this choice. The rows of the hand use
 `grip_pour` (seeds 1 to 20) and `grip_release` (1 to 10) in closed loop
-([grip_scenes.md](../grip_scenes.md)), where the threshold and the step follow Vc. Figures 2, 3, 6 and 15 are
+([grip_scenes.md](../grip_scenes.md)), where the step follows Vc. Figures 2, 3, 6 and 15 are
 drawings and photographs.
 """
 PLATEAU_HZ = (200.0, 300.0, 400.0, 500.0)

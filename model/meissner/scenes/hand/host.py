@@ -49,7 +49,7 @@ def quiet_v(scene, condition, seeds):
 
 
 class Host:
-    """The hosts of all runs of a condition; ``vc_v`` [runs]: before the first cycle, ``quiet_v``: as above."""
+    """The hosts of all runs of a condition; [runs]: ``vc_v`` before the first cycle, ``quiet_v`` as above."""
 
     def __init__(self, scene, condition, reflexes, vc_v, quiet_v):
         self.quiet_v = quiet_v
