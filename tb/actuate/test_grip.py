@@ -217,14 +217,46 @@ async def four_clocks_from_a_decision_to_its_command(dut):
     assert commands == {19 + 4: 0, 27 + 4: 7, 59 + 4: 0, 60 + 5: 7, 80 + 4: 7}
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-async def a_long_period_has_all_its_clocks(dut):
-    """The first command comes as with short periods, three clocks after the first period's last clock."""
-    length = min(9000, (1 << len(dut.cfg_period_i)) - 1)
-    await begin(dut, **HAND | {"period": length})
-    for period in (1, 2):
-        await bench.clocks(dut, length + 2 if period == 1 else length - 2)
-        assert [(await clock(dut))["valid"] for _ in range(2)] == [0, 1], period
+async def at(dut, clock):
+    """The outputs before ``clock`` and in it, counted from the reset that has just ended."""
+    await bench.clocks(dut, clock - 1)
+    found = []
+    for _ in range(2):
+        await bench.ReadOnly()
+        found.append(outputs(dut))
+        await bench.RisingEdge(dut.clk_i)
+    return found
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_period_has_all_its_clocks(dut):
+    """The first command comes three clocks after the first period's last clock. A long period is waited for
+    from 40 clocks before its end on."""
+    await begin(dut, **HAND)
+    bits = len(dut.cfg_period_i)
+    top = (1 << bits) - 1
+    for period in [1 << bit for bit in range(4, bits)] + [top, top & 0x5A5A5A, top & 0xA5A5A5]:
+        dut.cfg_period_i.value = period
+        await bench.reset(dut)
+        skipped = max(0, period - 10_000)
+        if skipped:
+            await bench.clocks(dut, 3)
+            dut.clocks.value = 3 + skipped
+        before, after = await at(dut, period + 3 - skipped - (3 if skipped else 0))
+        assert (before["valid"], after["valid"]) == (0, 1), period
+
+
+@bench.applies(lambda dut: len(dut.cfg_watchdog_i) == 16 and sizes(dut)[0] == 2)
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def a_watchdog_waits_for_all_its_cycles(dut):
+    """Nobody reports: the fault comes with exactly so many cycles of 16 clocks."""
+    await begin(dut, **HAND)
+    for watchdog in [1 << bit for bit in range(1, 16)] + [65535, 0x5A5A, 4097]:
+        drive(dut, period=16, watchdog=watchdog)
+        await bench.reset(dut)
+        before, after = await at(dut, 16 * watchdog + 3)
+        assert (before["fault"], after["fault"]) == (0, 1), watchdog
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

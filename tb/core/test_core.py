@@ -370,6 +370,12 @@ async def counts_over_the_whole_width(dut):
         dut.rst_i.value = int(39 <= clock < 43)
         for port in inputs:
             port.value = draw.getrandbits(len(port))
+    for start in bench.carries(dut.now) if bench.whole(dut) else ():
+        dut.u_link.now_o.value = start
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        assert bench.read(dut.now) == (start + 1) % 2**48
+        await FallingEdge(dut.clk_i)
     await RisingEdge(dut.clk_i)
 
 
@@ -588,6 +594,25 @@ def test_every_group_of_registers_is_in_a_core_whose_settings_are_followed():
     groups = set(re.findall(r"^ +\} (\w+) @ 0x", text, re.M))
     assert groups == {group.name for group in GROUPS} and len(groups) >= 13
     assert groups == {"core"} | {group for name in HELD for group in IS[name][2].split()}
+
+
+@bench.applies(lambda dut: case_of(dut)[0] in ("array", "electrodes") and bench.whole(dut))
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def a_lost_result_is_given_up_after_511_clocks(dut):
+    """docs/frames.md; with the converters off."""
+    name, build = case_of(dut)
+    host, *_ = await begin(dut, name, build)
+    await write(host, {"scan.enable" if name == "array" else "adc.enable": 0}, rest=8 * 700)
+    await bench.clocks(dut, 8000)
+    owed = (dut.gen_array if name == "array" else dut.gen_cop4).u_sensor.u_owed
+    await FallingEdge(dut.clk_i)
+    owed.owed.value = 1
+    busy = 0
+    for clock in range(600):
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        busy += bench.read(owed.busy_o)
+    assert busy == 511
 
 
 @bench.applies(lambda dut: case_of(dut)[0] == "electrodes")

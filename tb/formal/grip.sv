@@ -76,7 +76,7 @@ module formal_grip #(
   // For each finger, since the last cycle.
   localparam logic [WideBits-1:0] Top = (WideBits)'((1 << CommandBits) - 1);
   logic [Fingers-1:0][WideBits-1:0] wish;
-  logic [Fingers-1:0]               open, heard, over, unwell, counts, hit;
+  logic [Fingers-1:0]               open, heard, over, unwell, counts, hit, silent, faulty;
   logic [Fingers-1:0][TimerBits-1:0] unheard, unheard_next;
   logic                             go;
   assign go = dut.go;
@@ -97,7 +97,7 @@ module formal_grip #(
       earlier[f] = go ? '0 : wish[f];
       step[f] = WideBits'(cfg_step_i);
       for (int unsigned n = 0; n < 7; n++) if (n < 32'(row[f]) && n < 32'(boost)) step[f] = step[f] + step[f];
-      added[f] = earlier[f] + step[f] + WideBits'(dut.term[f]);
+      added[f] = earlier[f] + step[f] + ((go && faulty[f]) ? '0 : WideBits'(dut.term[f]));
     end
   end
   always_ff @(posedge clk_i) begin
@@ -121,7 +121,6 @@ module formal_grip #(
   end
 
   // The fingers joined.
-  logic [Fingers-1:0]  silent, faulty;
   logic [WideBits-1:0] most, least;
   always_comb begin
     most  = '0;

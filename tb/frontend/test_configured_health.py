@@ -169,6 +169,22 @@ def test_a_finger_is_healthy_where_its_sensor_reads(part, volts, falls, sensor, 
     assert bool(health.next(np.full((1, 1000), faults[0]))[0])
 
 
+@pytest.mark.parametrize("name", [name for name in config.names() if config.load(name).slip])
+def test_a_sensor_at_rest_or_held_never_slips(name):
+    """The noise alone: no detail's peak to peak exceeds the lowest threshold, and only rest is released."""
+    build, rng = config.load(name), np.random.default_rng(bench.SEED)
+    slip = build.slip
+    for volts in (rest := 0.0 if slip.contact_rises else build.adc.volts, build.adc.volts / 2):
+        codes = codes_of(build, np.full((1, 100_000), volts), rng)
+        codes = np.maximum(codes, 0) if build.array else codes  # forces with the gain 1
+        sums = codes.reshape(-1, 2, 1 << slip.level - 1).sum(axis=2)
+        parts = (sums[:, 0] - sums[:, 1])[: len(sums) // 256 * 256].reshape(-1, 256)
+        assert np.ptp(parts, axis=1).max() <= slip.keeps_above, volts
+        level = sums.sum(axis=1)
+        released = (level < slip.release_level) if slip.contact_rises else (level > slip.release_level)
+        assert released.all() if volts == rest else not released.any()
+
+
 def test_electrodes_at_rest_are_no_fault():
     """E1, E3 at +V0 and E2, E4 at -V0 times the gain: at the largest gain that is accepted, too."""
     tables = {"about": "rest", "clock": {"mhz": 25.0}, "sensor": {"kind": "electrodes"}}

@@ -92,7 +92,16 @@ def agree(plan, settings, clocks, switches, triggers):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "overrun_o", "held_o", wiggled=["room_i"], cfg_enable_i=1)
+    await bench.turn_over(dut, "overrun_o", "held_o", wiggled=["room_i"], again=False, cfg_enable_i=1)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    """A tick in each clock, and a buffer that has no room."""
+    await bench.start(dut, cfg_enable_i=1, cfg_settle_i=1, cfg_period_i=1, cfg_interleave_i=0, room_i=1)
+    await bench.counts_on(dut, "overrun_o")
+    await bench.counts_on(dut, "held_o", room_i=0)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")

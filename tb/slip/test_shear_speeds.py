@@ -388,6 +388,22 @@ async def speeds_of_each_bit(dut):
             assert told == dict.fromkeys(range(stage.channels), (expected[1] == 0, expected[0] >> 8))
 
 
+@bench.applies(lambda dut: dut.ShearSpeed.value == 1 and bench.whole(dut))
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def windows_have_32_bits(dut):
+    """Each channel counts from its own value, at most of which a carry goes through all lower bits."""
+    stage, port = Stage(dut), dut.gen_shear_speed.windows
+    await stage.begin()
+    every = [(2 << k) - 1 for k in range(32)] + [0x5A5A_A5A5, 0x0FFF_FFFF]
+    for first in range(0, len(every), stage.channels):
+        starts = (every * 2)[first : first + stage.channels]
+        port.value = sum(start << 32 * channel for channel, start in enumerate(starts))
+        await frames(stage, 1000, WINDOW)
+        await settle(stage)
+        found = [level[2] for level in (await stage.levels()).values()]
+        assert found == [(start + 1) % 2**32 for start in starts]
+
+
 @bench.applies(lambda dut: dut.ShearSpeed.value == 1)
 @cocotb.test(timeout_time=60, timeout_unit="ms")
 async def holds_while_the_force_may_change(dut):

@@ -205,7 +205,7 @@ class Config:
                 found |= {f"health.{key}": value for key, value in given.items()}
                 found |= {f"health.{key}": code for key, code in self.rails._asdict().items()}
             if self.tare:
-                found |= {"tare.contact": self.tare.contact_codes, "tare.step": self.tare.step}
+                found |= {"tare.contact": values(self.tare)["contact_codes"], "tare.step": self.tare.step}
         else:
             found |= {"adc.enable": 1, "adc.period": self.period_clocks}
         if self.slip:
@@ -316,15 +316,12 @@ class Config:
         if not isinstance(self.sensor, Electrodes):
             with naming("[sensor]"):
                 above = self.input.max_code - self.rest_code
-        levels = [("[tare]: contact_codes", self.tare.contact_codes, above)] if self.tare else []
+        levels = [("[tare]: contact_codes", values(self.tare)["contact_codes"], above)] if self.tare else []
         if self.health:
-            names = ("band", "jump") if self.health.blink else ("band",)
-            levels += [(f"[health]: {name}", getattr(self.health, name), span) for name in names]
-            if self.health.blink and self.health.jump < self.health.band:
-                raise ValueError(
-                    f"[health]: jump = {self.health.jump} must be at least band = {self.health.band}: a step "
-                    "that is no move is no jump"
-                )
+            band, jump, blink = (values(self.health)[key] for key in ("band", "jump", "blink"))
+            levels += [("[health]: band", band, span)] + ([("[health]: jump", jump, span)] if blink else [])
+            if blink and jump < band:
+                raise ValueError(f"[health]: jump = {jump} must be at least band = {band}: a jump is a move")
         for name, value, most in levels:
             if value >= most:
                 raise ValueError(f"{name} = {value} must be below {most}, the largest step of this converter")
