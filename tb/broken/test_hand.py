@@ -109,8 +109,8 @@ def test_a_larger_step_holds_harder(sound, tmp_path):
 
 
 def test_the_statistics_of_runs_by_hand():
-    """A run that drops its object counts among the dropped alone, whatever its grip was; above the ratio of 1.2
-    is not at it."""
+    """A run that drops its object counts among the dropped alone, whatever its grip was; 1.2 is not above the
+    ratio of 1.2."""
     condition = scenes.load("grip_disturb").conditions[0]
     runs = {
         "dropped": [True, False, False, True, False, False],
