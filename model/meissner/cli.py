@@ -109,11 +109,22 @@ def _tell(scene, summary, out):
     print(f"\nresults: {plain(out)}/report.html, summary.json, result.npz and pictures")
 
 
+def _keep(arguments):
+    """Refuse an output that would replace an input or an earlier result (files.check_kept)."""
+    if getattr(arguments, "overwrite", None) is not None and arguments.out is not None:
+        from meissner.files import check_kept
+
+        inputs = [value for name, value in vars(arguments).items() if name not in ("out", "call")]
+        names = (value for value in inputs if isinstance(value, str))
+        check_kept(arguments.out, arguments.overwrite, names, arguments.holds)
+
+
 def main(arguments=None):
     """Entry point; returns only on success."""
     plain_streams()
     arguments = parser().parse_args(arguments)
     try:
+        _keep(arguments)
         module, _, name = arguments.call.partition(":")
         getattr(import_module(module), name)(arguments)
         sys.stdout.flush()

@@ -79,6 +79,15 @@ def exact(value: float | Fraction) -> Fraction:
     return Fraction(value) if isinstance(value, int | Fraction) else Fraction(repr(float(value)))
 
 
+def whole(key: str, value: float, factor: Fraction, most: int = 65535) -> int:
+    """``value``·``factor`` to the nearest; ValueError above ``most``, or where only rounding makes it 0."""
+    found = round(exact(value) * factor)
+    if found > most or (value and not found):
+        least, most_value = float(1 / (2 * factor)), float(most / factor)
+        raise ValueError(f"{key} = {value:g} must be 0, or above {least:g} and at most {most_value:g}")
+    return found
+
+
 def shown(value: object) -> str:
     """A wrong value as short text."""
     return f"{value:g}" if isinstance(value, float) else _SHORT.repr(value)

@@ -200,7 +200,7 @@ def test_refuses_configurations():
         ("bits", {"bits": 7}),
         ("correction", {"touch": "palm"}),
         ("too small|too large", {"load_lsb_n": 1e-12}),
-        ("min_load", {"min_load_n": 1e5}),
+        ("min_n", {"min_load_n": 1e5}),
         ("imbalance = 4 must lie in|leaves no room", {"mesh": Mesh(5, 5, 47.0, V0=20.0)}),
     ):
         with pytest.raises(ValueError, match=message):

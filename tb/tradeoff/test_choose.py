@@ -132,7 +132,7 @@ def test_as_many_converters_as_the_budget_asks_for(adc):
         needs = Needs("array", latency_ms=1.0, rows=rows, columns=columns, adc=adc)
         part = array.part_of(adc)
         clock_hz = 24e6 if rows * columns <= 64 else 100e6
-        least = array.budget(rows, columns, clock_hz, part, settle_s=2e-6, health=False)["converters_needed"]
+        least = array.budget(rows, columns, clock_hz, part, settle_us=2.0, health=False)["converters_needed"]
         if least is None:
             with pytest.raises(ValueError, match="is above 1,000"):
                 choose.chosen(needs, {})

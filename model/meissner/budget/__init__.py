@@ -89,7 +89,7 @@ def _array(arguments):
         carrier = {name: getattr(arguments, name) for name in names}
     found = array.budget(
         *(arguments.rows, arguments.columns, arguments.clock, array.part_of(arguments.adc)),
-        *(arguments.converters, arguments.settle_us * 1e-6, arguments.channels, arguments.sclk_khz, carrier),
+        *(arguments.converters, arguments.settle_us, arguments.channels, arguments.sclk_khz, carrier),
         *(not arguments.no_health, not arguments.no_tare, arguments.bits_per_clock),
     )
     if arguments.json:

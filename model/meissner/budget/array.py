@@ -5,7 +5,9 @@ tb/sensor/test_array_pins.py.
 from contextlib import suppress
 
 from meissner.budget.terms import table
+from meissner.builds.units import Units
 from meissner.physics.adc import old_rows, unsettled
+from meissner.tables import exact
 from meissner.twins.frontend.adc_spi import PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
@@ -13,7 +15,6 @@ from meissner.twins.frontend.scan_demod import ScanDemod
 from meissner.twins.sensor.sensors import Array
 
 BUDGET_S = 1e-3
-SETTLE_S = 1e-6
 LANES = (1, 2, 4, 8)
 INPUTS = range(1, 9)  # of a converter
 NAMES = {
@@ -66,7 +67,7 @@ def budget(
     clock_hz,
     part,
     converters=None,
-    settle_s=SETTLE_S,
+    settle_us=1.0,
     channels=None,
     sclk_khz=None,
     carrier=None,
@@ -79,17 +80,15 @@ def budget(
 
     ValueError if it cannot be built.
     """
-    if not 1e3 <= clock_hz <= 4e8 or clock_hz % 1e3:
-        raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e3 to 4e8 Hz")
+    if not 1e6 <= clock_hz <= 2e8 or clock_hz % 1e3:
+        raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e6 to 2e8 Hz")
     if converters is not None and converters not in LANES:
         raise ValueError(f"converters = {converters} must be one of: {', '.join(map(str, LANES))}")
-    if not 0 <= settle_s < 1:
-        raise ValueError(f"settle = {settle_s * 1e6:g} us must lie in 0 .. 1e6")
-    settle = -int(-settle_s * clock_hz // 1)
+    if not 0 <= settle_us <= 1000:
+        raise ValueError(f"settle-us = {settle_us:g} must lie in 0 .. 1000")
+    settle = Units(clk_khz=round(clock_hz / 1e3)).settle_clocks(exact(settle_us) / 1_000_000)
     if settle > 65535:
-        raise ValueError(
-            f"settle = {settle_s * 1e6:g} us is {settle} clocks, more than the 65535 of its register"
-        )
+        raise ValueError(f"settle-us = {settle_us:g} is {settle} clocks, more than the 65535 of its register")
 
     def found(lanes):
         if channels is not None or carrier is not None:
@@ -148,7 +147,7 @@ def of_config(config):
     array = Array(config.scan, limits, zeros, row_column=config.array.gains == "row_column")
     found = measured(array, config.settle_clocks, clock_hz, adc.converters, adc.channels, adc.volts)
     given = adc.channels, adc.sclk_khz, None, config.array.health, config.array.tare
-    least = budget(*config.shape, clock_hz, config.part, None, float(adc.settle_us) * 1e-6, *given)
+    least = budget(*config.shape, clock_hz, config.part, None, adc.settle_us, *given)
     return found | {"config": config.name, "converters_needed": least["converters_needed"]}
 
 

@@ -17,9 +17,9 @@ class Circuit(Table, frozen=True):
 
     rows: Side
     columns: Side
-    R0_ohm: Positive
-    V0_v: Positive
-    k_n_ohm: Positive
+    R0_ohm: Annotated[float, Meta(ge=10, le=1e7)]
+    V0_v: Annotated[float, Meta(gt=0, le=100)]
+    k_n_ohm: Annotated[float, Meta(ge=1, le=1e7)]
 
     def mesh(self, r_ohm: float) -> Mesh:
         """The mesh with resistors of ``r_ohm``."""
@@ -29,7 +29,7 @@ class Circuit(Table, frozen=True):
 class MeshKeys(Circuit, frozen=True):
     """[mesh]."""
 
-    r_ohm: Positive
+    r_ohm: Annotated[float, Meta(gt=0, le=1e6)]
 
 
 class Converter(Table, frozen=True):

@@ -1,12 +1,14 @@
 """The registers of msn_cop4 and of its load correction from a mesh, amplifiers and a converter."""
 
 from dataclasses import replace
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from meissner.physics.adc import Adc
 from meissner.physics.mesh.constants import cop_constants
+from meissner.tables import exact
 from meissner.twins.cop.cop4 import LOAD_BITS, SCALE_BITS, Cop4Registers
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, SUM_TOP, CorrectionRegisters
 
@@ -56,6 +58,10 @@ def cop4_registers(
     # Each electrode carries at least (1 - 1/C) / 2 of its layer's current.
     share = max([(C + 1) / (C - 1) for C in (Cx, Cy) if C] or [1])
     busy = max(round(rail - (margin + 3) * share) - 3, -adc.max_code)
+    least, most = ceil(exact(min_load) / exact(load_lsb)), (1 << LOAD_BITS) - 1
+    if least > most:
+        largest = float(most * exact(load_lsb))
+        raise ValueError(f"min_n = {min_load:g} must be at most {largest:g}, the largest load")
     found = Cop4Registers(
         rail=round(2 * rail),
         kx=kx,
@@ -68,7 +74,7 @@ def cop4_registers(
         idle=round(rail) - margin,
         busy=busy,
         imbalance=max(4, round(2 * rail * imbalance)),
-        min_load=max(1, round(min_load / load_lsb)),
+        min_load=max(1, least),
     )
     found.check(sample_bits)
     return found

@@ -51,8 +51,8 @@ class Hand:
         speeds = self._speeds(x) if self.shear else ()
         self.left = (self.left + x.shape[1]) % self.group
         word = self.actuate.next(x, p2p > self.threshold, ends, lost, override, speeds)
-        if self.shear and word.valid:
-            self.shear.commanded(word.increment)
+        if self.shear:
+            self.shear.commanded(word.increment if word.valid else None)
         return word
 
     def _speeds(self, x):

@@ -4,13 +4,14 @@
 
 The word of a cycle moves the hand in the next one. A window counts once, where it is first over the
 threshold: msn_grip counts the stream of decisions. A finger is unhealthy after eight consecutive samples at
-the converter's lowest or highest code. On engine rtl a Verilated core does all of it, beside the twins.
+0 V or below: 5 V is the rubber at rest. On engine rtl a Verilated core does all of it, beside the twins.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from meissner.builds.input_range import Sensed, rails
 from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
 from meissner.scenes.hand.host import Host
@@ -111,7 +112,7 @@ class Reflexes:
         slip_of, grip_of = parts
         channels = 2 * len(starts)
         self.slip, self.windows = slip_of(channels, config), Windows(channels, config.window >> config.level)
-        self.health = FingerHealth(channels, adc.min_code, adc.max_code)
+        self.health = FingerHealth(channels, *rails(adc, Sensed(), "pulled_up"))
         self.reflexes = [grip_of(settings, 2, start=start) for start in starts]
 
     def compare_with(self, threshold):
@@ -149,7 +150,7 @@ class Cores:
         from meissner.twins.actuate.actuate import ActuateConfig
 
         self.twin = Reflexes((FixedSlip, Grip), config, settings, starts, adc)
-        actuate = ActuateConfig(settings, adc.min_code, adc.max_code)
+        actuate = ActuateConfig(settings, *rails(adc, Sensed(), "pulled_up"))
         self.cores = [self.core(2, config, actuate, block, start) for start in starts]
         self.windows = Windows(2 * len(starts), config.window >> config.level)
         self.mismatches = np.zeros(len(starts), dtype=np.int64)
@@ -288,7 +289,7 @@ def hold(scene, condition, seeds, parts):
         volts = found.volts + noise.next(block)
         codes, _ = adc.convert(volts.reshape(2 * runs, block))
         if time_s >= dead:
-            codes[:] = adc.max_code
+            codes[:] = 0
         host.write(cycle)
         detail, counts, words = reflexes.next(codes)
         increment = np.array([word.increment for word in words])

@@ -82,7 +82,7 @@ class Condition(Table):
     ``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
     ``step_mm``, ``decay_mm_s``, ``duration_s`` replace the scene's, the step without ``boost``;
     ``threshold_p2p_v``, too, and then stays constant. ``halves_s``: time at which friction halves;
-    ``dead_s``: time after which both converters give their highest code. ``count_mm``: millimetres per count
+    ``dead_s``: time after which both converters give code 0. ``count_mm``: millimetres per count
     of the command. Finer counts span less: with ``down_mm`` the command's zero lies that far below the grip,
     and all 16 bits are its range.
     """
@@ -163,7 +163,8 @@ class Scene(base.Sampled):
         return share * vc_v * (1.0 - vc_v / SUPPLY_V)
 
     def _code(self, volts):
-        return Units(volts_per_code=self.adc.lsb_v, level=self.slip["level"]).detail_code(volts)
+        codes = self.adc.min_code, self.adc.max_code
+        return Units(volts_per_code=self.adc.lsb_v, level=self.slip["level"], codes=codes).detail_code(volts)
 
     def threshold(self, condition, vc_v):
         """The threshold on peak to peak in codes, at least 1, that a host writes for each run's ``vc_v``."""
@@ -216,8 +217,10 @@ def build(name, table):
     conditions = tuple(world.pop("conditions"))
     scene = Scene(**own, slip=values(keys.slip), grip=values(keys.grip), world=world, conditions=conditions)
     for condition in conditions:
+        with naming(f"scene {name}, [slip] or [[world.conditions]]: threshold_p2p_v"):
+            scene.slip_config(condition)
         with naming(f"scene {name}"):
-            scene.slip_config(condition), scene.grip_config(condition)
+            scene.grip_config(condition)
     return scene
 
 
