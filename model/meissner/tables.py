@@ -21,7 +21,9 @@ import msgspec
 from msgspec import Meta
 from msgspec import inspect as kinds
 
-SMALLEST, LARGEST = 1e-12, 1e12  # sizes of any sensor, clock, converter and time
+from meissner.arrays import LARGEST
+
+SMALLEST = 1e-12  # with LARGEST, the sizes of any sensor, clock, converter and time
 _SHORT = Repr()
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 40
 _SHORT.maxlevel = 2

@@ -10,7 +10,7 @@
 //   statistics    one counter every 2^StatisticBits clocks, in turn
 //   images        in packets of Chunk taxels, so that an event waits for at most one of them; msn_image_chunks
 //
-// At most a byte every 4 clocks. If no packet is under way, an event's first byte follows it by 12 clocks;
+// At most a byte every 4 clocks. If no packet is under way, an event's first byte follows it by 8 clocks;
 // out_begin_o, opening the frame, follows an event by 3, others by 4.   Model: model/meissner/twins/link/packet.py
 // Error: none.
 

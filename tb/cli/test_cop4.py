@@ -112,7 +112,7 @@ def test_a_builds_configuration_is_taken_too(tmp_path, codes):
     (tmp_path / "build.toml").write_text((config.FOLDER / "cop4.toml").read_text())
     found = []
     for name in ("own.toml", "build.toml", "cop4"):
-        done = meissner(*cop4(config=name), cwd=tmp_path)
+        done = meissner(*cop4("in.npy", "--overwrite", config=name), cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, ""), done.stderr
         found.append(np.load(tmp_path / "out.npz"))
     for other in found[1:]:

@@ -127,7 +127,7 @@ def decisions(taken):
 
 def waits(loop, limit):
     """How many of the next ``limit`` clocks, none of which has an input, only count in ``loop``: most do."""
-    if loop.windows or loop.due or loop.forget or loop.boost_before != loop.boost:
+    if loop.windows or loop.due or loop.faulty or loop.boost_before != loop.boost:
         return 0
     return max(0, min(limit, max(16, loop.period) - 1 - loop.in_period))
 

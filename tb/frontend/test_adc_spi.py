@@ -257,7 +257,24 @@ async def counts_over_the_whole_width(dut):
     wiggled = ["cfg_enable_i", "trigger_i", "out_ready_i"]
     part = PARTS[dut.Part.value.to_unsigned()]
     still = ["dropped_o", *["timeout_o"] * part.has_busy, *["mistagged_o"] * part.tagged]
-    await bench.turn_over(dut, "over_range_o", "overrun_o", wiggled=wiggled, still=still, **inputs)
+    counters = ("over_range_o", "overrun_o")
+    await bench.turn_over(dut, *counters, wiggled=wiggled, still=still, again=False, **inputs)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    """Frames that nobody takes; ticks without a pause; a BUSY that never rises, or rises and falls; answers with
+    the wrong channel's number."""
+    part, often = PARTS[dut.Part.value.to_unsigned()], {"span": 20_000}
+    inputs = {"cfg_period_i": 1, "trigger_i": 1, "adc_busy_i": 0, "out_ready_i": 0}
+    await bench.start(dut, cfg_enable_i=1, adc_miso_i=(1 << len(dut.adc_miso_i)) - 1, **inputs)
+    await bench.counts_on(dut, "overrun_o", **often)
+    if part.has_busy:
+        await bench.counts_on(dut, "timeout_o", **often)
+    wiggled = ["adc_busy_i"] * part.has_busy
+    await bench.counts_on(dut, "mistagged_o" if part.tagged else "dropped_o", wiggled=wiggled, **often)
+    await bench.counts_on(dut, "over_range_o", strobe="over_q")
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

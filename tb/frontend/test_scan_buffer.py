@@ -84,7 +84,14 @@ def stalls(kind, draw):
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     inputs = {f"in_{name}_i": 0 for name in ("interleave", "data")}
-    await bench.turn_over(dut, "dropped_o", wiggled=["in_valid_i", "in_first_i"], **inputs)
+    await bench.turn_over(dut, "dropped_o", wiggled=["in_valid_i", "in_first_i"], again=False, **inputs)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    await bench.start(dut, in_interleave_i=0, in_data_i=0, in_first_i=0)
+    await bench.counts_on(dut, "dropped_o", strobe="turned_away")
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")

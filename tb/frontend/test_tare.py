@@ -77,6 +77,37 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "swallowed_count", wraps=False)
 
 
+@bench.applies(lambda dut: length_of(twin_of(dut)) < 100 and bench.whole(dut))
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+async def each_counter_counts_from_any_value(dut):
+    """An averaging that is done, one that is refused because something presses, a frame that is swallowed."""
+    twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
+    settings = await begin(dut, contact=20, step=0)
+    quiet = [beat | {"data": 0} for beat in frames_of(rng, twin, 1, press=0)]
+    pressed = [
+        beat | {"data": bench.lane_word([99] * twin.lanes, twin.sample_bits), "mask": 0} for beat in quiet
+    ]
+    length = quiet * (2 << twin.tare_log2)
+    for name, beats, change in (
+        ("tared", length, {"average": 1}),
+        ("refused", pressed * 2, {"average": 1}),
+        ("swallowed", quiet, {"load": 1}),
+    ):
+        port = getattr(dut, f"{name}_count")
+        for start in bench.carries(port):
+            await bench.stream(dut, quiet if name == "tared" else pressed, FIELDS, drain=12)
+            port.value = start
+            if name == "swallowed":
+                settings.put(**change)
+                await bench.clocks(dut, 2)
+            else:
+                await settings.pulse(dut.clk_i, **change)
+            await bench.stream(dut, beats, FIELDS, drain=12)
+            found = members.of("tare_status", bench.read(dut.status_o))
+            assert found[name] == (start + 1) % (1 << len(port)), (name, start, found)
+            settings.put(load=0)
+
+
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4], damage=[False, True])
 async def matches_model(dut, stall_rate, damage):
@@ -265,6 +296,27 @@ async def clocks_are_as_stated(dut):
     assert left == [clock + 1 for clock in taken]
     gaps = [after - before for before, after in pairwise(taken)]
     assert gaps == [9 if (n + 1) % length == 0 else 1 for n in range(len(gaps))]
+
+
+@bench.applies(lambda dut: 1 < length_of(twin_of(dut)) < 10)
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
+    """Wherever the frame breaks off: the averaging starts again and is not refused."""
+    twin, settings = twin_of(dut, contact=20), await begin(dut, contact=20)
+    length = length_of(twin)
+    x = np.full((1, twin.rows, twin.columns), 9)
+    still = bench.lane_beats(x, twin.lanes, twin.sample_bits, mask=0 * x)
+    pressed = bench.lane_beats(x + 500, twin.lanes, twin.sample_bits, mask=0 * x)
+    for cut in range(1, length):
+        await bench.reset(dut)
+        twin.reset()
+        await settings.pulse(dut.clk_i, average=1)
+        twin.tare()
+        broken = [beat | {"last": place == cut - 1} for place, beat in enumerate(pressed[:cut])]
+        beats = bench.placed(still + broken + still * (2 + (1 << twin.tare_log2)), twin.rows, twin.row_beats)
+        assert await bench.stream(dut, beats, FIELDS) == expected_of(twin, beats)
+        await status_is(dut, twin)
+        assert (twin.tared, twin.refused) == (1, 0), cut
 
 
 EVIDENCE = {

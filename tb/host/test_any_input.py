@@ -294,7 +294,7 @@ def read_log(path):
 
 READERS = {  # reader: (examples, its files)
     read_config: (300, toml_or_bytes(CONFIGS)),
-    scenes.read: (100, toml_or_bytes([scenes.source(name) for name in scenes.names()])),
+    scenes.load: (100, toml_or_bytes([scenes.source(name) for name in scenes.names()])),
     read_recording: (
         300,
         st.one_of(of(".npz", packed(PRESS)), of(".npy", packed(CODES.astype(np.int16))), of(".csv", TABLE)),

@@ -12,6 +12,7 @@ from meissner.builds.input_range import Sensed, Wiring
 from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
 from meissner.builds.units import Units
 from meissner.physics.adc import Adc as Converter
+from meissner.physics.adc import old_rows, unsettled
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, naming, values
 from meissner.twins.cop.cop4 import LOAD_BITS
@@ -73,6 +74,11 @@ class Config:
         return 4 if isinstance(self.sensor, Electrodes) else 1
 
     @property
+    def slip_pins(self) -> int:
+        """Channels whose slip has a pin of its own."""
+        return self.channels if self.link.slip_pins else 0
+
+    @property
     def sample_bits(self) -> int:
         return 13 if self.serial else SAMPLE_BITS
 
@@ -88,7 +94,7 @@ class Config:
         """{name in core.widths: bits in this build}."""
         rows, columns = self.shape
         level = self.slip.level if self.slip else 1
-        summed = self.array is not None and self.array.gains == "row_column" and not self.array.tare
+        summed = self.array is not None and self.array.gains == "row_column"
         load = min(32, 16 + (rows * columns - 1).bit_length())
         offset = 16 if summed else 17
         return {"detail": self.sample_bits + level, "timer": self.timer_bits, "load": load, "offset": offset}
@@ -105,6 +111,14 @@ class Config:
     @property
     def settle_clocks(self) -> int:
         return max(1, ceil(exact(self._array_adc.settle_us) * self.clk_khz / 1000))
+
+    @property
+    def unsettled(self) -> str:
+        """The sentence about the old row that the converters' low pass leaves; empty if it settles."""
+        if not self.array:
+            return ""
+        settle_s = self.settle_clocks / (1000 * self.clk_khz)
+        return unsettled(self.adc.part, settle_s, old_rows(self.adc.part, settle_s, self.adc.volts))
 
     @cached_property
     def scan(self) -> ScanAdc:
@@ -169,7 +183,9 @@ class Config:
         if self.array:
             newtons, pitch, most = self.array.newtons_per_count, self.array.pitch_mm, self.most_force
             known = replace(known, codes=(0, most), most_load=rows * columns * most)
-            return replace(known, newtons_per_code=newtons, pitch_mm=pitch)
+            known = replace(known, newtons_per_code=newtons, pitch_mm=pitch)
+            with naming("[cop]: min_load_n"):
+                return replace(known, min_load=known.load_code(self.min_load_n))
         load = self.cop4.load_lsb_n if self.cop4 else None
         known = replace(known, codes=(self.input.min_code, self.input.max_code))
         known = replace(known, most_load=(1 << LOAD_BITS) - 1)
@@ -181,8 +197,7 @@ class Config:
         found = {"link.images": int(self.link.images)}
         if self.array:
             found |= {"scan.enable": 1, "scan.settle": self.settle_clocks, "scan.period": self.period_clocks}
-            with naming("[cop]: min_load_n"):
-                found |= {"calibrate.preset": 4096, "cop.min_load": self.units.load_code(self.min_load_n)}
+            found |= {"calibrate.preset": 4096, "cop.min_load": self.units.min_load or 0}
             if self.health:
                 given = values(self.health)
                 # A sample is marked over-range at either end: low and high say which end is a fault.
@@ -281,6 +296,8 @@ class Config:
             FEATURES[name].check(self)
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
+        if self.link.slip_pins and self.kind != "channels":
+            raise ValueError("[link]: slip_pins must go with single channels")
         if self.link.images and not self.array:
             raise ValueError("[link]: images must go with an array")
         if self.link.baud * 4 > self.clk_khz * 1000:

@@ -84,6 +84,7 @@ class Link(Table, frozen=True):
     statistics: bool = True
     images: bool = False
     slip_only: bool = False
+    slip_pins: bool = False
 
 
 class Array(Table, frozen=True):

@@ -48,7 +48,7 @@ class Units:
     ``volts_per_code``, ``low_v``, ``min_code``, ``codes`` (least, most): of a sample; ``level``: of the slip
     path; ``rate_hz``: samples per second of each channel; ``volts_of``: newtons to the sensor's volts;
     ``newtons_per_code``: of a taxel and of a load; ``most_load``: its largest code; ``pitch_mm``: between
-    taxels.
+    taxels; ``min_load``: ``cop.min_load`` after reset.
     """
 
     clk_khz: int | None = None
@@ -64,6 +64,7 @@ class Units:
     pitch_mm: float | None = None
     codes: tuple[int, int] | None = None
     most_load: int | None = None
+    min_load: int | None = None
 
     def code(self, name: str, quantity: str, value: float) -> int:
         """The code of a register for an amount; ValueError for a quantity that the register does not take.

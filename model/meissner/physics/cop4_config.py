@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from meissner.arrays import check_finite
 from meissner.physics import mesh_loads
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_registers import cop4_registers, correct_registers
@@ -49,6 +50,10 @@ class Cop4Config:
             if not isinstance(given, wanted):
                 where = f"{wanted.__module__}.{wanted.__name__}"
                 raise TypeError(f"{name} must be a {where}, not {type(given).__name__}")
+        for name in ("gain", "load_lsb_n", "min_load_n"):
+            check_finite(name, given := getattr(self, name))
+            if given < 0 or (given == 0 and name != "min_load_n"):
+                raise ValueError(f"{name} = {given:g} must be above 0")
         if not MIN_BITS <= self.adc.bits <= MAX_BITS:
             raise ValueError(f"bits = {self.adc.bits} must lie in {MIN_BITS} .. {MAX_BITS}")
         if self.touch not in TOUCHES:
