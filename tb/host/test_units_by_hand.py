@@ -380,6 +380,20 @@ def test_a_finger_is_never_unhealthy_with_rail_samples_0():
     assert of(CHANNELS | {"grip": {"rail_samples": 1}}).settings["grip.rail"] == 1
 
 
+def test_a_gain_of_the_differences():
+    """A 6.3rd of Cx and Cy, 5.722391 and 8.649949; their shifts; and of the least current of an electrode."""
+    plain, build = of(ELECTRODES), of(ELECTRODES | {"load": ELECTRODES["load"] | {"difference_gain": 6.3}})
+    changed = {key: value for key, value in build.settings.items() if value != plain.settings[key]}
+    assert changed == {
+        "cop4.kx": 93_756,  # 5.722391 · 2^14 = 93755.7; · 2^15 is too much
+        "cop4.shift_x": 14,
+        "cop4.ky": 70_860,  # 8.649949 · 2^13 = 70860.4
+        "cop4.shift_y": 13,
+        "cop4.busy": 27_440,  # 27525.12 - (55 + 3)·(5.722391 + 1)/(5.722391 - 1) = 27442.56; less 3
+    }
+    assert build.parameters | {"Resets": 0} == plain.parameters | {"Resets": 0}
+
+
 def test_four_electrodes():
     """R0/r = 910/47 = 19.361702; a code is 10 V / 32768 after a gain of 0.7."""
     build = of(ELECTRODES)
