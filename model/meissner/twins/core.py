@@ -102,7 +102,8 @@ def array_of(config):
     limits = tare = None
     if config.health:
         given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
-        limits = Limits(**given)
+        use = {"use.user": "over_range_enable", "use.edges": "edges"}
+        limits = Limits(**{use.get(name, name): value for name, value in given.items()})
     if config.tare:
         tare = {"contact": config.tare.contact_codes, "step": config.tare.step}
     parameters, settings = config.parameters, config.settings
