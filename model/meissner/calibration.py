@@ -25,10 +25,7 @@ GAIN_LIMIT = 1 << 16
 GAIN_SHIFT = 12
 LEVELS, LEVEL_SHARE = 3, 0.1  # forces needed per cell, and their distance as a share of the largest
 HEADROOM = 1.5  # the range of F over the largest force of the recording
-LEAST_RISE, LEAST_FIT = (
-    0.1,
-    0.5,
-)  # dead below this share of the median rise, or of variance explained by force
+LEAST_RISE, LEAST_FIT = 0.1, 0.5  # dead below this share of the median rise, of variance explained
 STRAIGHT_FIT = 0.95  # of the variance: a line that explains this much needs no other proof of a response
 COARSEST_LSB, GAIN_ERROR = 0.1, 0.02  # of the largest force; of a gain, by rounding it to an integer
 # A cell bends where its line misses by more than this share of the largest force, and a curve through half of
@@ -92,7 +89,7 @@ class Calibration:
             own = knots[:, self.bent]
             if np.isinf(own).any() or np.isnan(own).any() or (np.diff(own, axis=0) < 0).any():
                 raise ValueError(f"{name} must rise in each bent cell")
-        if not np.array_equal(np.isnan(self.knot_codes), np.isnan(self.knot_n)) or np.nanmin(self.knot_n) < 0:
+        if not np.array_equal(np.isnan(self.knot_codes), np.isnan(self.knot_n)) or (self.knot_n < 0).any():
             raise ValueError("knot_codes and knot_n must be of the same cells, and no newtons below 0")
 
     @property
@@ -268,7 +265,7 @@ def _check_presses(force_n, known, at_end):
     if few.any() or not enough.any():
         few = few if few.any() else ~enough
         count = int(few.sum())
-        more = " below the converter's end" if at_end.any() else ""
+        more = " below the converter's end (--adc-bits)" if at_end.any() else ""
         raise ValueError(
             f"too few presses{more} for {count} cell{'s' * (count > 1)} (row, column): {named(few)}; each "
             f"needs {LEVELS} forces, of which one may be 0, at least {LEVEL_SHARE * largest:.3g} N apart"
@@ -297,10 +294,7 @@ def ends(codes, bits=None):
 
 def at_ends(codes, low=None, high=None):
     """Readings at the converter's ``ends``, which are not true."""
-    found = np.zeros(codes.shape, bool)
-    for beyond in (() if low is None else (codes <= low,)) + (() if high is None else (codes >= high,)):
-        found |= beyond
-    return found
+    return (codes <= (-np.inf if low is None else low)) | (codes >= (np.inf if high is None else high))
 
 
 def _round_up_125(value):
@@ -360,6 +354,9 @@ def _table(codes, force):
     that code.
     """
     own, newtons = _curve(codes, force)
+    newtons = np.clip(
+        newtons, force.min(), force.max()
+    )  # means of pooled readings, whose last bits may be off
     newtons[[0, -1]] = force.min(), force.max()
     turns = np.diff(newtons, prepend=-1.0, append=np.inf) > 0  # inside a level stretch no knot is needed
     knots = np.array([own, newtons])[:, turns[:-1] | turns[1:]]
@@ -496,7 +493,8 @@ def _besides(codes, force_n, lines, low, high):
     known, at_end = ~np.isnan(force_n), at_ends(codes, low, high)
     still = np.ptp(codes, axis=0) == 0
     left_out = known & at_end & ~still
-    over = lines.dead & ~still & ~_levels(force_n, known & ~at_end, LEVEL_SHARE * force_n[known].max())
+    usable = known & ~at_end
+    over = lines.dead & ~still & ~_levels(force_n, usable, LEVEL_SHARE * force_n[usable].max())
     if left_out.any():
         which = " or ".join(str(code) for code in (low, high) if code is not None)
         yield (
@@ -508,7 +506,7 @@ def _besides(codes, force_n, lines, low, high):
     if lines.bent.any():
         places = [tuple(cell) for cell in np.argwhere(lines.bent)]
         read = [np.interp(codes[:, *at], lines.knot_codes[:, *at], lines.knot_n[:, *at]) for at in places]
-        wrong = [_rms(found - force_n[:, *at], (known & ~at_end)[:, *at]) for found, at in zip(read, places)]
+        wrong = [_rms(found - force_n[:, *at], usable[:, *at]) for found, at in zip(read, places)]
         yield (
             f"{len(places)} cells bend: load_n of `process cop` reads their tables, which deviate by "
             f"{np.median(wrong):.3g} N rms in the median, {max(wrong):.3g} N at most"

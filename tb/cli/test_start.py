@@ -49,7 +49,6 @@ def test_the_example_of_a_commands_help_is_a_whole_command(command):
         [sys.executable, "-m", "meissner.cli", *command, "--help"],
         capture_output=True,
         text=True,
-        timeout=120,
     )
     example = done.stdout.partition("example: meissner ")[2].splitlines()[0]
     taken = parser().parse_args(shlex.split(example))
@@ -60,7 +59,7 @@ def imported(*lines, cwd=None):
     """(exit codes, the packages listed above that were imported) of commands run in one process."""
     given = json.dumps([[*map(str, line)] for line in lines])
     command = [sys.executable, "-c", SHOW, given]
-    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     *_, codes, found = done.stdout.split("\n")[:-1]
     return json.loads(codes), set(found.split())

@@ -231,8 +231,8 @@ def even(*cells, forces=(0, 1, 2, 3, 4, 5, 6)):
         (100, 65.536, 0.001, "reaches"),
         (19_980, 3, 0.01, r"gain of 20\.5 "),  # 21 is 2.4 % more
         (19_505, 3, 0.01, None),  # 21.0
-        (100, 3, 0.3, None),  # a tenth of the largest force
-        (100, 3, 0.301, "too coarse"),
+        (100, 5, 0.5, None),  # a tenth of the largest force
+        (100, 5, 0.501, "too coarse"),
         (100, 3, 4096 / (100 * 65535) * 1.000001, None),  # a gain of 65535
         (100, 3, 4096 / (100 * 65536), "a gain would not fit"),
         (100, 3, -1.0, "above 0"),
@@ -310,6 +310,15 @@ def test_a_table_is_the_pooled_curve_with_the_recordings_ends():
         table = np.interp([-999, *found, 9999], answer.knot_codes[:, *at], answer.knot_n[:, *at])
         expected = [0.0, 0.0, *list(found.values())[1:-1], 1.2, 1.2]
         assert table == pytest.approx(expected, abs=1e-12)
+
+
+def test_many_readings_of_one_force_pool_to_that_force():
+    """A mean of equal numbers may exceed them in its last bit; the table still ends at the largest."""
+    for top in np.random.default_rng(4).uniform(1, 2, 20):
+        newtons = np.repeat([0.0, 0.1, 0.3, 0.7, top], 37)
+        codes = np.repeat([10, 400, 600, 700, 730], 37)[:, None, None] + np.arange(185)[:, None, None] % 3
+        answer, _ = fit(codes, cell_forces(newtons, codes.shape))
+        assert answer.bent.all() and answer.knot_n[-1, 0, 0] == top
 
 
 def test_a_noisy_straight_cell_has_no_table():
@@ -398,6 +407,17 @@ def test_presses_at_the_converters_end_do_not_count(low, high, rest, slope):
         assert not answer.dead.any() and deviation_n.max() < 0.02
         assert by_formula(rest + slope, answer, (0, 0)) * answer.force_lsb_n == pytest.approx(1, abs=0.01)
         assert fit(codes, force_n)[1].max() > 0.02  # with them the line is another
+
+
+def test_a_rest_below_the_converters_range_does_not_count_either():
+    """Signed codes: the unpressed cell would be at -2300, and 8 N beyond 2047."""
+    codes, force_n = even(lambda n: np.clip(-2300 + 600 * n, -2048, 2047), forces=np.arange(9))
+    assert calibration.ends(codes) == (-2048, 2047)
+    answer, deviation_n = fit(codes, force_n, low=-2048, high=2047)
+    assert answer.offset[0, 0] == -2300 and deviation_n[0, 0] < 0.001
+    assert next(calibration._besides(codes, force_n, answer, -2048, 2047)) == (
+        "left out: 2 readings at the converter's end, code -2048 or 2047, from 0 N on"
+    )
 
 
 def test_cells_at_the_converters_end_from_rest_or_the_first_press_on():

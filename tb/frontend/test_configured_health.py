@@ -3,6 +3,7 @@ ends of what its sensor reads; real faults still. The noise is the data sheets':
 0.117 mV at ±5 V for the AD7606.
 """
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -13,7 +14,8 @@ from frontend.health_configured import CASES, registers
 from meissner.builds import config
 from meissner.twins.actuate.actuate import FingerHealth
 from meissner.twins.cop import cop4
-from meissner.twins.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
+from meissner.twins.core import limits_of
+from meissner.twins.frontend.health import BLINKING, DEAD, RAILED, Health
 
 NAMES = [name for name in config.names() if config.load(name).health] + ["h1_health", "h2_fsr_health"]
 PARTS = {
@@ -43,9 +45,7 @@ def builds():
 
 
 def twin(build, **changed):
-    given = registers(build) | changed
-    given = {"over_range_enable": given.pop("use_user"), "edges": given.pop("use_edges")} | given
-    return Health(ROWS, COLUMNS, limits=Limits(**given))
+    return Health(ROWS, COLUMNS, limits=replace(limits_of(build), **changed))
 
 
 def codes_of(build, volts, rng):
@@ -103,7 +103,7 @@ def test_settings_that_contradict_each_other_mask_healthy_taxels():
     for build, changed, kind in (
         (default("AD7606", 5.0), {"jump": 0}, BLINKING),
         (default("MCP3208", 5.0), {"low": 0}, RAILED),
-        (default("MCP3208", 5.0), {"use_user": 1}, 0),
+        (default("MCP3208", 5.0), {"over_range_enable": True}, 0),
     ):
         codes, health = codes_of(build, rest, rng), twin(build, **changed)
         health.next(codes, codes == build.input.min_code)
@@ -167,6 +167,22 @@ def test_a_finger_is_healthy_where_its_sensor_reads(part, volts, falls, sensor, 
     never = config.read("finger", tables | {"grip": {"rail_samples": 0}}).settings
     health = FingerHealth(1, never["grip.low"], never["grip.high"], never["grip.rail"])
     assert bool(health.next(np.full((1, 1000), faults[0]))[0])
+
+
+@pytest.mark.parametrize("name", [name for name in config.names() if config.load(name).slip])
+def test_a_sensor_at_rest_or_held_never_slips(name):
+    """The noise alone: no detail's peak to peak exceeds the lowest threshold, and only rest is released."""
+    build, rng = config.load(name), np.random.default_rng(bench.SEED)
+    slip = build.slip
+    for volts in (rest := 0.0 if slip.contact_rises else build.adc.volts, build.adc.volts / 2):
+        codes = codes_of(build, np.full((1, 100_000), volts), rng)
+        codes = np.maximum(codes, 0) if build.array else codes  # forces with the gain 1
+        sums = codes.reshape(-1, 2, 1 << slip.level - 1).sum(axis=2)
+        parts = (sums[:, 0] - sums[:, 1])[: len(sums) // 256 * 256].reshape(-1, 256)
+        assert np.ptp(parts, axis=1).max() <= slip.keeps_above, volts
+        level = sums.sum(axis=1)
+        released = (level < slip.release_level) if slip.contact_rises else (level > slip.release_level)
+        assert released.all() if volts == rest else not released.any()
 
 
 def test_electrodes_at_rest_are_no_fault():

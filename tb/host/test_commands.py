@@ -7,8 +7,6 @@ import os
 import pty as ptys
 import re
 import signal
-import subprocess
-import sys
 import termios
 import time
 from pathlib import Path
@@ -16,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.command import ended, started
 from meissner import cli, engines, host
 from meissner.builds import config, toolchain
 from meissner.host import line, log, packets, view
@@ -45,16 +44,6 @@ def meissner(capsys, monkeypatch, tmp_path):
 def port():
     with Pty(of_scenes(speed="10")) as pty:
         yield pty
-
-
-def started(*arguments, **more):
-    # A shell's background job ignores Ctrl-C and passes that on to its children; this restores a terminal's
-    # state.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        return subprocess.Popen([sys.executable, "-m", "meissner.cli", *map(str, arguments)], **more)
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def test_regs_reads_and_writes(meissner, port):
@@ -131,23 +120,10 @@ def test_regs_in_physical_units(meissner, tmp_path):
         )
 
 
-def ended(command, seen):
-    """(exit code, lines of stdout, stderr) of a command that gets Ctrl-C once ``seen(lines)`` is true."""
-    lines = []
-    with command as child:
-        while not seen(lines):
-            text = child.stdout.readline()
-            assert text, (lines, child.stderr.read())
-            lines.append(text.removesuffix("\n"))
-        child.send_signal(signal.SIGINT)
-        out, err = child.communicate()
-    return child.returncode, [*lines, *out.splitlines()], err
-
-
 def test_live_in_a_pipe(port):
-    command = started("live", port.url, stdout=-1, stderr=-1, text=True)
     slip = "slip, channel 0, incipient, peak-to-peak"
-    code, lines, err = ended(command, lambda so_far: slip in "\n".join(so_far) and " load " in so_far[-1])
+    both = lambda lines: slip in "\n".join(lines) and " load " in lines[-1]
+    code, lines, err = ended(both, "live", port.url)
     assert (code, err) == (0, "meissner: stopped\n")
     assert any("slip, channel 0, incipient, peak-to-peak" in text for text in lines)
     full = [text for text in lines if text.startswith(("x ", "not pressed"))]
@@ -259,8 +235,7 @@ def test_a_core_without_registers_is_listened_to(meissner):
         assert code == 2 and "sends packets but does not answer" in err and "only be listened to" in err
     model.restart()
     with Pty(model) as pty:
-        command = started("live", pty.url, "--listen", stdout=-1, stderr=-1, text=True)
-        code, lines, _ = ended(command, lambda so_far: len(so_far) == 5)
+        code, lines, _ = ended(lambda lines: len(lines) == 5, "live", pty.url, "--listen")
         assert code == 0 and "5 slip events" in lines[-1]
 
 
@@ -269,7 +244,7 @@ def test_live_shows_the_slip_of_a_build_without_registers(meissner):
     with host.connect("core:slip1") as core:
         assert core.registers is False
         shown = view.View(core)
-        for item in core.packets(300.0):
+        for item in core.packets():
             told = shown.add(item)
             break
         assert told.startswith("0.1") and "s: slip, channel 0, incipient, peak-to-peak" in told
@@ -298,7 +273,7 @@ def test_live_takes_a_users_configuration(meissner, tmp_path):
             5,
             core.units.clk_khz,
         )
-        images = (item for item in core.packets(300.0) if isinstance(item, packets.Image))
+        images = (item for item in core.packets() if isinstance(item, packets.Image))
         assert next(images).taxels.shape == (2, 5)
 
 

@@ -113,6 +113,9 @@ def test_the_low_pass_of_a_scanned_converter_is_warned_of(tmp_path, part, volts,
         ("volts = 5.0", f"volts = {volts}"),
         ("settle_us = 1.0", f"settle_us = {settle_us}"),
         ("rate_hz = 1400.0", "rate_hz = 20.0"),
+        ("hold_ms = 20.0", "hold_ms = 60.0"),
+        ("refractory_ms = 10.0", "refractory_ms = 70.0"),
+        ("blank_ms = 50.0", "blank_ms = 80.0"),
         ("lanes = 2", f"lanes = {2 if part == 'AD7606' else 1}"),
     ):
         assert old in text

@@ -74,6 +74,11 @@ class Config:
         return 4 if isinstance(self.sensor, Electrodes) else 1
 
     @property
+    def slip_pins(self) -> int:
+        """Channels whose slip has a pin of its own."""
+        return self.channels if self.link.slip_pins else 0
+
+    @property
     def sample_bits(self) -> int:
         return 13 if self.serial else SAMPLE_BITS
 
@@ -200,7 +205,7 @@ class Config:
                 found |= {f"health.{key}": value for key, value in given.items()}
                 found |= {f"health.{key}": code for key, code in self.rails._asdict().items()}
             if self.tare:
-                found |= {"tare.contact": self.tare.contact_codes, "tare.step": self.tare.step}
+                found |= {"tare.contact": values(self.tare)["contact_codes"], "tare.step": self.tare.step}
         else:
             found |= {"adc.enable": 1, "adc.period": self.period_clocks}
         if self.slip:
@@ -291,6 +296,8 @@ class Config:
             FEATURES[name].check(self)
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
+        if self.link.slip_pins and self.kind != "channels":
+            raise ValueError("[link]: slip_pins must go with single channels")
         if self.link.images and not self.array:
             raise ValueError("[link]: images must go with an array")
         if self.link.baud * 4 > self.clk_khz * 1000:
@@ -309,15 +316,12 @@ class Config:
         if not isinstance(self.sensor, Electrodes):
             with naming("[sensor]"):
                 above = self.input.max_code - self.rest_code
-        levels = [("[tare]: contact_codes", self.tare.contact_codes, above)] if self.tare else []
+        levels = [("[tare]: contact_codes", values(self.tare)["contact_codes"], above)] if self.tare else []
         if self.health:
-            names = ("band", "jump") if self.health.blink else ("band",)
-            levels += [(f"[health]: {name}", getattr(self.health, name), span) for name in names]
-            if self.health.blink and self.health.jump < self.health.band:
-                raise ValueError(
-                    f"[health]: jump = {self.health.jump} must be at least band = {self.health.band}: a step "
-                    "that is no move is no jump"
-                )
+            band, jump, blink = (values(self.health)[key] for key in ("band", "jump", "blink"))
+            levels += [("[health]: band", band, span)] + ([("[health]: jump", jump, span)] if blink else [])
+            if blink and jump < band:
+                raise ValueError(f"[health]: jump = {jump} must be at least band = {band}: a jump is a move")
         for name, value, most in levels:
             if value >= most:
                 raise ValueError(f"{name} = {value} must be below {most}, the largest step of this converter")

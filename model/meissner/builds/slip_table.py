@@ -6,7 +6,7 @@ threshold on the coefficient itself, of both signs, is half of that.
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import msgspec
 
@@ -87,11 +87,11 @@ class SlipTable(Switches, frozen=True):
         volts = self.UNIT == "v"
         detail = units.detail_code if volts else units.detail_code_of_newtons
         level = units.level_code if volts else units.level_code_of_newtons
-        if units.rate_hz is not None and self.window > LONGEST_S * units.rate_hz:
-            least = self.window / LONGEST_S
+        assert units.rate_hz is not None
+        if self.window > LONGEST_S * units.rate_hz:
             raise ValueError(
                 f"window = {self.window} at rate_hz = {units.rate_hz:g} must not last more than "
-                f"{LONGEST_S} s: a rate of at least {least:g} Hz"
+                f"{LONGEST_S} s: a rate of at least {self.window / LONGEST_S:g} Hz"
             )
 
         def of(name: str, convert: Callable[[float], int]) -> int:
@@ -99,24 +99,21 @@ class SlipTable(Switches, frozen=True):
             with naming(key):
                 return convert(getattr(self, key))
 
-        thresholds = {name: of(f"{name}_p2p", detail) for name in ("threshold", "gross_threshold")}
-        levels = {name: of(name, level) for name in ("contact_level", "release_level")}
-        if units.codes:
-            ends = [code << self.level for code in units.codes]
-            if levels["release_level"] == ends[0 if self.contact_rises else 1]:
-                raise ValueError(
-                    f"release_level_{self.UNIT} = {self.amount('release_level'):g} must be within the "
-                    "range: a sensor at its end is never released"
-                )
-        details = exact(units.rate_hz or 0) / 1000 / (1 << self.level)
+        codes: dict[str, Any] = {key: of(f"{key}_p2p", detail) for key in ("threshold", "gross_threshold")}
+        codes |= {key: of(key, level) for key in ("contact_level", "release_level")}
+        if units.codes and codes["release_level"] == units.codes[not self.contact_rises] << self.level:
+            raise ValueError(
+                f"release_level_{self.UNIT} = {self.amount('release_level'):g} must be within the range: a "
+                "sensor at its end is never released"
+            )
+        details = exact(units.rate_hz) / 1000 / (1 << self.level)
+        codes |= {key: whole(f"{key}_ms", getattr(self, f"{key}_ms"), details) for key in TIMES}
         return SlipConfig(
             window=self.window,
             hop=self.window if self.hop is None else self.hop,
             level=self.level,
-            **thresholds,
             keep_threshold=None if self.keeps is None else of("keep_threshold_p2p", detail),
-            **levels,
-            **{name: whole(f"{name}_ms", getattr(self, f"{name}_ms"), details) for name in TIMES},
+            **codes,
             **{name: getattr(self, name) for name in SWITCHES},
         )
 

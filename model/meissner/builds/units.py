@@ -121,12 +121,11 @@ class Units:
             )
         return found
 
-    def _level(self, code: Fraction, amount: float | Fraction, unit: str) -> int:
+    def _level(self, amount: float | Fraction, code: Fraction, lsb: Fraction, unit: str) -> int:
         """The code of a level, ``code`` of a sample; ValueError if no sum of the samples is there."""
         found = round((1 << self.level) * code)
         if self.codes and not self.codes[0] << self.level <= found <= self.codes[1] << self.level:
-            lsb = exact(self.volts_per_code if unit == "V" else self.newtons_per_code)
-            least, most = (float(amount + (end - code) * lsb) for end in self.codes)
+            least, most = (float(exact(amount) + (end - code) * lsb) for end in self.codes)
             raise ValueError(
                 f"{float(amount):g} {unit} must lie in {least:g} .. {most:g}, the range of a sample"
             )
@@ -136,9 +135,8 @@ class Units:
         return self._threshold(volts, self._need("volts_per_code", "a threshold in volts"), "V")
 
     def level_code(self, volts: float | Fraction) -> int:
-        lsb = self._need("volts_per_code", "a level in volts")
-        code = self.min_code + (exact(volts) - exact(self.low_v)) / exact(lsb)
-        return self._level(code, volts, "V")
+        lsb = exact(self._need("volts_per_code", "a level in volts"))
+        return self._level(volts, self.min_code + (exact(volts) - exact(self.low_v)) / lsb, lsb, "V")
 
     @property
     def of_forces(self) -> bool:
@@ -158,8 +156,8 @@ class Units:
 
     def level_code_of_newtons(self, newtons: float | Fraction) -> int:
         if self.of_forces:
-            lsb = self._need("newtons_per_code", "a level in newtons")
-            return self._level(exact(newtons) / exact(lsb), newtons, "N")
+            lsb = exact(self._need("newtons_per_code", "a level in newtons"))
+            return self._level(newtons, exact(newtons) / lsb, lsb, "N")
         return self.level_code(float(self._need("volts_of", "a level in newtons")(newtons)))
 
     def details(self, seconds: float | Fraction) -> int:

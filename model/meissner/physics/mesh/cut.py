@@ -1,7 +1,7 @@
 """A four-wire mesh with parts missing: elements cut from the sheet, resistors cut, elements without rubber.
 
 Cutting out an element removes its node in both layers and every resistor that ends there (net paper, VIII).
-An element without rubber keeps its resistors but does not conduct between the layers (net paper, IV-E): a
+An element without rubber keeps its resistors but does not conduct between the layers (net paper, fig. 5 b): a
 force on it is not sensed, and nothing else changes. Where nodes are missing, a coordinate is no longer
 harmonic (eq. 6), so E1-E3 gives the first moment of h instead, the potential of the empty layer between E1 at
 -1 and E3 at 1: a single pressed element is reported at h instead of x, apart from a common factor.

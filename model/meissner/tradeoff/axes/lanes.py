@@ -9,7 +9,7 @@ def found(point):
     """The budget of an array; it is square unless the point has ``columns``, and settles in ``settle_us``."""
     return array.budget(
         *(point["side"], point.get("columns", point["side"]), 1e6 * point["clock_mhz"]),
-        *(array.part_of(point["adc"]), point["converters"], 1e-6 * point.get("settle_us", 1.0)),
+        *(array.part_of(point["adc"]), point["converters"], point.get("settle_us", 1.0)),
         *(point["inputs"], point.get("sclk_khz")),
         health=point.get("health", False),
     )
