@@ -506,8 +506,8 @@ async def write(host, values, **how):
     assert [answer[:3] for answer in answers] == [(tag, bridge.DONE, at) for _, tag, at, _ in asked]
 
 
-# Bits that these builds have for settings held to them: a detail's 17 and the level's, a load's 16 and those that
-# number the taxels.
+# Bits that these builds have for settings held to them: a detail's 17 and the level's, a load's 16 and those
+# that number the taxels.
 HELD = {
     "array": {"detail": 18, "timer": 16, "load": 21, "offset": 17},
     "electrodes": {"detail": 18, "timer": 16, "load": 18, "offset": 17},
@@ -518,8 +518,8 @@ HELD = {
 @bench.applies(lambda dut: case_of(dut)[0] in HELD)
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_every_setting_is_kept(dut):
-    """Each setting reads back as written and arrives, as its reset value did, with all its bits at every block
-    that uses it. The enables are written first, which stops the conversions."""
+    """Each setting reads back as written and arrives, as its reset value did, with all its bits at every
+    block that uses it. The enables are written first, which stops the conversions."""
     name, build = case_of(dut)
     host, *_ = await begin(dut, name, build)
     watch_wires(dut, name, "registers.pending_o")
@@ -609,7 +609,7 @@ async def a_lost_result_is_given_up_after_511_clocks(dut):
     await FallingEdge(dut.clk_i)
     owed.owed.value = 1
     busy = 0
-    for clock in range(600):
+    for _ in range(600):
         await RisingEdge(dut.clk_i)
         await ReadOnly()
         busy += bench.read(owed.busy_o)
@@ -805,7 +805,9 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
     if name == "hand":
         reflex, shear = dut.u_actuate.gen_grip, dut.u_shear_speeds.gen_shear_speed
         sources |= {"grip.commands": reflex.commands, "grip.tightenings": reflex.tightenings}
-        sources |= {f"grip.{kind}": getattr(reflex.u_grip, f"out_{kind}_o") for kind in ("command", "increment")}
+        sources |= {
+            f"grip.{kind}": getattr(reflex.u_grip, f"out_{kind}_o") for kind in ("command", "increment")
+        }
         sources |= {f"grip.{kind}": getattr(reflex.u_grip, f"{kind}_o") for kind in ("fault", "faulty")}
     for turn in (0, 1, 0):
         values = pins.put(sources, turn)
