@@ -108,6 +108,27 @@ def test_a_larger_step_holds_harder(sound, tmp_path):
     assert found["runs_above_ratio"] > before["runs_above_ratio"] == 0
 
 
+def test_the_statistics_of_runs_by_hand():
+    """A run that drops its object counts among the dropped alone, whatever its grip was; 1.2 is not above the
+    ratio of 1.2."""
+    condition = scenes.load("grip_disturb").conditions[0]
+    runs = {
+        "dropped": [True, False, False, True, False, False],
+        "ratio": [1.5, 1.2, 1.2000001, 1.0, 1.1, 1.3],
+        "tug_ratio": [0.9, 1.02, 1.04, 0.8, 1.06, 1.08],
+        **{key: [9.0, 0.1, 0.2, 8.0, 0.3, 0.4] for key in ("slip_mm", "sag_mm", "ring_mm", "moved_mm")},
+        **{key: [1, 2, 4, 8, 16, 32] for key in ("tightenings", "false_tightenings", "faults")},
+    }
+    found = hand.statistics(condition, {key: np.array(values) for key, values in runs.items()})
+    assert (found["runs"], found["dropped"], found["runs_above_ratio"]) == (6, 2, 2)
+    assert (found["grip_ratio_mean"], found["grip_ratio_max"]) == (1.2, 1.3)
+    assert (found["tug_ratio_mean"], found["tug_ratio_min"]) == (1.05, 1.02)
+    assert (found["slip_mm_mean"], found["slip_mm_max"], found["moved_mm_max"]) == (0.25, 0.4, 0.4)
+    assert (found["tightenings"], found["cycles_with_fault"]) == (63, 63)
+    none = hand.statistics(condition, {key: np.array(values)[[0, 3]] for key, values in runs.items()})
+    assert (none["runs_above_ratio"], none["dropped"], none["grip_ratio_mean"]) == (0, 2, None)
+
+
 def test_louder_ripple_makes_the_measured_threshold_deaf(tmp_path, monkeypatch):
     """The host measures the ripple too: no false tightening, but a threshold above most events."""
     monkeypatch.setattr(plate, "RIPPLE_N", 16 * plate.RIPPLE_N)

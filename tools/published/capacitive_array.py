@@ -18,7 +18,8 @@ prints no number, none is compared. The text is uncertain in three places: equat
 of the force x in one sentence and z in the next (x here), the signs and subscripts of equation 15 are
 illegible (Kirchhoff's law at the amplifier gives the equation), and the section on the design has an
 amplifier for each row and drives the columns, those on fabrication and calibration the reverse (as here). The
-rows of objects give the applied load, the reported load, and the load with the second-order term of [capacitive.md](../capacitive.md).
+rows of objects give the applied load, the reported load, and the load with the second-order term of
+[capacitive.md](../capacitive.md).
 """
 SEEDS = range(1, 9)
 PER_MM2 = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2

@@ -85,6 +85,7 @@ def mean(key, **settings):
 def slip():
     drop, move_v, rise_n = mean("load_drop"), mean("move_v"), mean("grip_rise_n")
     between = "between the two" if FALL[0] <= drop <= FALL[1] else "outside"
+    between += ", with the wire's stiffness that was chosen ([cop_scenes](../cop_scenes.md))"
     published = "right: down by about 4 V, read as about 1 N; left: by about 1.3 N: 50 and 65 % of the 2 N"
     what = "load output at a grip of 2 N, right and left sensor"
     yield ("fig. 4 (a)", what, published, f"down by {100 * drop:.1f} %", between)
