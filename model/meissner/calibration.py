@@ -25,10 +25,7 @@ GAIN_LIMIT = 1 << 16
 GAIN_SHIFT = 12
 LEVELS, LEVEL_SHARE = 3, 0.1  # forces needed per cell, and their distance as a share of the largest
 HEADROOM = 1.5  # the range of F over the largest force of the recording
-LEAST_RISE, LEAST_FIT = (
-    0.1,
-    0.5,
-)  # dead below this share of the median rise, or of variance explained by force
+LEAST_RISE, LEAST_FIT = 0.1, 0.5  # dead below this share of the median rise, of variance explained
 STRAIGHT_FIT = 0.95  # of the variance: a line that explains this much needs no other proof of a response
 COARSEST_LSB, GAIN_ERROR = 0.1, 0.02  # of the largest force; of a gain, by rounding it to an integer
 # A cell bends where its line misses by more than this share of the largest force, and a curve through half of

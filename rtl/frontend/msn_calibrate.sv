@@ -127,19 +127,23 @@ module msn_calibrate #(
       .out_offset_o(offset), .out_gain_o(gain)
     );
 
-    logic unused_room, gone;
+    // Where no beat is under way and none has been for the fifo's 3 clocks, none is in the fifo either: so what an upset
+    // changes of the credit lasts until the block is empty, and a block that takes no beat becomes empty.
+    localparam int unsigned Inside = Stages + 3;
+    logic unused_room, gone, empty;
     logic [5:0]              owed;  // fifo places in use or promised, as of up to two clocks ago
-    logic [Stages:1]         valid;
+    logic [Inside:1]         valid;
+    assign empty = valid == '0 && !out_valid_o;
     logic [3*Stages-1:0]     marks;
     logic [6*DataBits-1:0]   data;
     logic [Stages*Lanes-1:0] mask;
     always_ff @(posedge clk_i) begin
-      valid      <= {valid[Stages-1:1], accept};
+      valid      <= {valid[Inside-1:1], accept};
       marks      <= {marks[3*(Stages-1)-1:0], marks_in};
       data       <= {data[5*DataBits-1:0], in_data_i};
       mask       <= {mask[(Stages-1)*Lanes-1:0], in_mask_i};
       gone       <= out_valid_o && out_ready_i;
-      owed       <= owed + 6'(valid[1]) - 6'(gone);
+      owed       <= empty ? '0 : owed + 6'(valid[1]) - 6'(gone);
       in_ready_o <= owed < 6'(Places - 3);
       if (rst_i) begin
         valid      <= '0;

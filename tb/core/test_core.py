@@ -42,7 +42,7 @@ SLIP_V = {
 }
 SLIP_N = {
     **{"window": 16, "hop": 16, "threshold_p2p_n": 0.3, "gross_threshold_p2p_n": 1.0, "contact_level_n": 0.8},
-    **{"release_level_n": 0.4, "hold_ms": 1.0, "refractory_ms": 1.0, "blank_ms": 1.0},
+    **{"release_level_n": 0.4, "hold_ms": 0.0, "refractory_ms": 0.0, "blank_ms": 0.0},
 }
 ROWS, COLUMNS = 3, 7  # of the array; a conversion takes two columns
 TAXELS = ROWS * COLUMNS
@@ -51,6 +51,7 @@ CASES = {
         "sensor": {"kind": "array", "rows": ROWS, "columns": COLUMNS},
         "adc": {"part": "MCP3208", "channels": 2, "volts": 5.0, "rate_hz": 500.5, "settle_us": 2.0},
         "array": {"health": True, "newtons_per_count": 1e-3 / 16},
+        "health": {"edges": True},
         "slip": SLIP_N,
         "link": {"baud": 1_000_000, "images": True, "statistics": False},
     },
@@ -770,7 +771,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     assert await read(host, *counters, rest=8 * 700) == [0] * 4
 
 
-@bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels") and bench.whole(dut))
+@bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels", "hand") and bench.whole(dut))
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_a_counter_reaches_its_register(dut):
     """By values put where they are counted, also for counters whose faults these parts do not have."""
@@ -782,8 +783,9 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
     sources = {
         "slip.damaged": path.u_frame_filter.damaged_o,
         "slip.blanked": path.u_slip.blanked_o,
-        "link.rejected": dut.u_link.gen_registers.u_bridge.rejected_o,
     }
+    if name != "hand":
+        sources["link.rejected"] = dut.u_link.gen_registers.u_bridge.rejected_o
     if name == "array":
         array, packet = dut.gen_array.u_sensor, dut.u_link.gen_packets.u_packet
         scan = array.gen_adc.u_scan_adc.u_scan
@@ -800,9 +802,28 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
         spi = dut.gen_channels.u_sensor.u_acquire.gen_adc.u_adc_spi
         kinds = ("dropped", "overrun", "timeout", "mistagged", "over_range")
         sources |= {f"adc.{kind}": getattr(spi, f"{kind}_o") for kind in kinds}
+    if name == "hand":
+        reflex, shear = dut.u_actuate.gen_grip, dut.u_shear_speeds.gen_shear_speed
+        sources |= {"grip.commands": reflex.commands, "grip.tightenings": reflex.tightenings}
+        sources |= {f"grip.{kind}": getattr(reflex.u_grip, f"out_{kind}_o") for kind in ("command", "increment")}
+        sources |= {f"grip.{kind}": getattr(reflex.u_grip, f"{kind}_o") for kind in ("fault", "faulty")}
     for turn in (0, 1, 0):
         values = pins.put(sources, turn)
         assert await read(host, *sources) == list(values.values())
+    for turn in (0, -1) if name == "hand" else ():
+        draw, words = random.Random(bench.SEED), {}
+        for kind in ("last", "pairs", "windows"):
+            bits = len(getattr(shear, kind))
+            words[kind] = (draw.getrandbits(bits) ^ turn) & (1 << bits) - 1
+            getattr(shear, kind).value = words[kind]
+        for channel in range(8):
+            await write(host, {"shear_speed.select": channel})
+            last = words["last"] >> 32 * (7 - channel) & 0xFFFF_FFFF  # speed and flags
+            pair = words["pairs"] >> 53 * channel & (1 << 53) - 1  # Vi and rise
+            expected = [(last & 0xFF) << 24 | last >> 8, pair >> 27, pair & (1 << 27) - 1]
+            expected.append(words["windows"] >> 32 * channel & 0xFFFF_FFFF)
+            names = (f"channel{channel}", "vi", "rise", "windows")
+            assert await read(host, *(f"shear_speed.{one}" for one in names)) == expected
 
 
 EVIDENCE = {
@@ -814,10 +835,8 @@ EVIDENCE = {
         "settle": 2,
         "driver": {
             "free": 100000,
-            # What a scan copied when it was enabled, until it is disabled.
-            "kept": "settle_q period_q",
             # Counters up to a scan's next row and frame.
-            "late": "left_q count_q",
+            "late": "since_q count_q rest_q",
             "part": 1,
             "packets": 1,
             "writes": 25,
@@ -859,7 +878,7 @@ def test_what_a_configuration_leaves_out_the_model_leaves_out():
     no events."""
     plain = copy.deepcopy(COMMON | CASES["array"])
     plain["array"] = {"tare": False, "newtons_per_count": 1e-3}
-    del plain["slip"]
+    del plain["slip"], plain["health"]
     codes = codes_of("array", configuration("array"), 40)[:6]
     found = core.expected(config.read("plain", plain), codes)
     assert found.images.tolist() == codes.reshape(6, TAXELS).tolist() and not found.slip

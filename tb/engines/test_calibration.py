@@ -231,8 +231,8 @@ def even(*cells, forces=(0, 1, 2, 3, 4, 5, 6)):
         (100, 65.536, 0.001, "reaches"),
         (19_980, 3, 0.01, r"gain of 20\.5 "),  # 21 is 2.4 % more
         (19_505, 3, 0.01, None),  # 21.0
-        (100, 3, 0.3, None),  # a tenth of the largest force
-        (100, 3, 0.301, "too coarse"),
+        (100, 5, 0.5, None),  # a tenth of the largest force
+        (100, 5, 0.501, "too coarse"),
         (100, 3, 4096 / (100 * 65535) * 1.000001, None),  # a gain of 65535
         (100, 3, 4096 / (100 * 65536), "a gain would not fit"),
         (100, 3, -1.0, "above 0"),

@@ -59,6 +59,8 @@ CONFIGS = [
     config(Mesh(41, 41, 150.0), 24, "uneven points"),
     config(Mesh(5, 9, 100.0, R0=1e3), 16, "cover"),
     config(Mesh(1, 6, 47.0), 18, "point"),
+    config(Mesh(7, 7, 100.0, R0=1e3), 16, difference_gain=16.0),
+    config(Mesh(5, 9, 100.0, R0=1e3), 16, "uneven points", difference_gain=12.5),
     config(Mesh(1, 1, 47.0), 20),
 ]
 

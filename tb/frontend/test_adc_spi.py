@@ -867,3 +867,11 @@ def test_twin_never_exceeds_the_parts_clock(part):
 def test_half_a_bit_by_hand(part, clk_khz, half):
     """docs/adc.md: 2·half - 1 clocks last at least the access time and 7 ns of round trip."""
     assert AdcSpi(part, channels=1, clk_khz=clk_khz, sclk_khz=part.sclk_max_khz).half == half
+
+
+@pytest.mark.parametrize(
+    "clk_khz, clocks", [(4_000, 64), (12_000, 128), (25_000, 256), (48_000, 512), (100_000, 1024)]
+)
+def test_busy_is_waited_for_as_long_as_the_page_says(clk_khz, clocks):
+    """docs/adc.md: the smallest power of two that lasts 8.4 µs, which is 33.6, 100.8, 210, 403.2 and 840 clocks."""
+    assert AdcSpi(AD7606, clk_khz=clk_khz).watch_clocks == clocks

@@ -238,6 +238,32 @@ async def keeps_accepted_beats_while_the_output_is_stalled(dut):
     assert await line.send(beats, stalls=asleep, drain=100) == expected_of(line.twin, beats)
 
 
+@bench.applies(lambda dut: bench.whole(dut) and number(dut, "RowColumn") and length_of(dut) <= 500)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def an_upset_of_the_credit_is_over_when_the_block_is_empty(dut):
+    """Each bit of it while nothing is inside; and all of it used up while the output stalls: no beat is lost,
+    and the frames that follow are right and do not wait."""
+    line = await Stream().begin(dut)
+    owed = dut.gen_grid.owed
+    beats = line.samples(-(-60 // line.length))
+    for bit in range(len(owed)):
+        await bench.clocks(dut, 30)
+        owed.value = bench.read(owed) ^ 1 << bit
+        await bench.clocks(dut, 2)
+        assert await line.send(beats) == expected_of(line.twin, beats), bit
+    clock = 0
+
+    def asleep():
+        nonlocal clock
+        clock += 1
+        if clock == 50:
+            owed.value = 2 ** len(owed) - 1
+        return clock < 100
+
+    assert await line.send(beats, stalls=asleep, drain=100) == expected_of(line.twin, beats)
+    assert await line.send(beats) == expected_of(line.twin, beats)
+
+
 @bench.applies(lambda dut: length_of(dut) <= 5000)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated_and_frames_never_wait(dut):
@@ -263,6 +289,7 @@ EVIDENCE = {
     "mutants": {"sets": [1, 5]},
     "faults": {
         "size": {"Rows": 3},
+        "more": [{"Rows": 5, "RowColumn": 1}],
         "settle": 3,
         # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
         "driver": {"kept": "memory gains offsets rows bank loaded swapping"},

@@ -3,6 +3,7 @@ ends of what its sensor reads; real faults still. The noise is the data sheets':
 0.117 mV at ±5 V for the AD7606.
 """
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -13,7 +14,8 @@ from frontend.health_configured import CASES, registers
 from meissner.builds import config
 from meissner.twins.actuate.actuate import FingerHealth
 from meissner.twins.cop import cop4
-from meissner.twins.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
+from meissner.twins.core import limits_of
+from meissner.twins.frontend.health import BLINKING, DEAD, RAILED, Health
 
 NAMES = [name for name in config.names() if config.load(name).health] + ["h1_health", "h2_fsr_health"]
 PARTS = {
@@ -43,9 +45,7 @@ def builds():
 
 
 def twin(build, **changed):
-    given = registers(build) | changed
-    given = {"over_range_enable": given.pop("use_user"), "edges": given.pop("use_edges")} | given
-    return Health(ROWS, COLUMNS, limits=Limits(**given))
+    return Health(ROWS, COLUMNS, limits=replace(limits_of(build), **changed))
 
 
 def codes_of(build, volts, rng):
@@ -103,7 +103,7 @@ def test_settings_that_contradict_each_other_mask_healthy_taxels():
     for build, changed, kind in (
         (default("AD7606", 5.0), {"jump": 0}, BLINKING),
         (default("MCP3208", 5.0), {"low": 0}, RAILED),
-        (default("MCP3208", 5.0), {"use_user": 1}, 0),
+        (default("MCP3208", 5.0), {"over_range_enable": True}, 0),
     ):
         codes, health = codes_of(build, rest, rng), twin(build, **changed)
         health.next(codes, codes == build.input.min_code)

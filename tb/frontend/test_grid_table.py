@@ -40,7 +40,7 @@ def entries(twin, draw):
 
 
 async def write(dut, settings, found, twin):
-    """Write a bank, then what is not there. Beats taken up to the later swap request belong to the old one."""
+    """Write a bank, then what is not there. Beats up to the later swap request belong to the old one."""
     beyond = [
         (row, count + more) for row, count in ((1, twin.rows), (0, twin.row_beats)) for more in (0, 9999)
     ]

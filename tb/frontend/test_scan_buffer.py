@@ -194,6 +194,38 @@ async def room_ends_when_exactly_two_conversions_fit(dut):
         assert run.room == (count < last), count
 
 
+@bench.applies(lambda dut: bench.whole(dut) and not twin_of(dut).sorts)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def an_upset_of_the_room_never_stops_the_scan(dut):
+    """Each bit of the count of used places, between frames and inside one: a sender that obeys room_o ends
+    the frame, and the next one is whole."""
+    twin, draw = twin_of(dut), random.Random(bench.SEED)
+    await start(dut)
+    run = Bench(dut, lambda: False)
+    used = dut.gen_part.used_q
+    length = twin.rows * twin.beats
+    for at in (None, 0, length // 2, length - 1):
+        for bit in range(len(used)):
+            for upset in (True, False):
+                frame, run.beats = random_frame(draw, twin), []
+                for _ in range(20):
+                    await run.tick()
+                for index, word in enumerate(frame[0]):
+                    if upset and index == (at or 0):
+                        used.value = bench.read(used) ^ 1 << bit
+                        for _ in range(20 if at is None else 0):
+                            await run.tick()
+                    waited = 0
+                    while not run.room:
+                        await run.tick()
+                        waited += 1
+                        assert waited < 4 * twin.depth, (at, bit)
+                    await run.tick(word, frame if index == 0 else None)
+                for _ in range(length + 20):
+                    await run.tick()
+                assert [beat[1:] for beat in run.beats] == twin.frame(*frame), (at, bit, upset)
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def two_conversions_fit_while_there_is_room(dut):
     """The sender checks room_o once, then sends two conversions; the follower takes a few beats now and

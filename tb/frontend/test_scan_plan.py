@@ -140,8 +140,8 @@ async def a_period_of_many_clocks_is_exact(dut):
 @bench.applies(bench.whole)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def every_bit_of_a_period_is_counted(dut):
-    """The clocks since a tick are put close to the period, where they pass every bit: 32 bits would take too long
-    to wait for. An upset of them costs one tick at most."""
+    """The clocks since a tick are put close to the period, where they pass every bit: 32 bits would take too
+    long to wait for. An upset of them costs one tick at most."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     bits = plan.period_bits
@@ -179,8 +179,8 @@ async def largest_settle_and_no_settle(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def registers_change_between_frames_only(dut):
-    """Order, settle and period changed inside a frame apply to the next one, also if its first conversion needs
-    more or less time before it; its period counts from the frame before."""
+    """Order, settle and period changed inside a frame apply to the next one, also if its first conversion
+    needs more or less time before it; its period counts from the frame before."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     for interleave in (False, True):
@@ -212,14 +212,13 @@ async def registers_change_between_frames_only(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def triggers_keep_their_distance_whatever_changes(dut):
-    """Settle, period, order, room and enable change at random clocks: triggers are never less than Cycle clocks
-    apart, every conversion settles for a time that was set, and the scan is alive afterwards."""
+    """Settle, period, order, room and enable change at random clocks: triggers are never less than Cycle
+    clocks apart, every conversion settles for a time that was set, and the scan is alive afterwards."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     await begin(dut, Settings(3))
-    seen, settles, clock, switch, put = [], set(), 0, None, set()
-    for _ in range(12_000):
-        clock += 1
+    seen, settles, switch, put = [], set(), None, set()
+    for clock in range(12_000):
         if draw.random() < 0.05:
             settings = Settings(draw.choice([0, 1, 2, 5, draw.randrange(40)]), draw.choice([0, 0, 9, 300]))
             put.add(settings.settle)

@@ -302,7 +302,7 @@ def test_the_log_keeps_the_least_load_of_the_configuration(tmp_path, monkeypatch
             (["--min-load", "501"], 2, [0, 0]),
         ):
             capsys.readouterr()
-            cli.main(["replay", name, "--out", "out.npz", *more])
+            cli.main(["replay", name, "--out", "out.npz", "--overwrite", *more])
             assert (
                 f"4 with the core's own centre of pressure, of which {differ} differ"
                 in capsys.readouterr().out

@@ -269,7 +269,7 @@ def widths(name, **array):
 @pytest.mark.parametrize(
     "build, register, quantity, most, beyond",
     [
-        (CHANNELS, "slip.threshold", "volts", 4.66572, 4.66573),  # 8190 · 3.3 / 4096 / sqrt(2) = 4.665722
+        (CHANNELS, "slip.threshold", "volts", 4.66576, 4.66577),  # 8190 · 3.3 / 4096 / sqrt(2) = 4.665766
         (CHANNELS, "slip.contact_level", "volts", 3.29939, 3.2996),  # half a step of a sum: 4095.25 codes
         (CHANNELS, "slip.release_level", "volts", -0.0002, -0.0003),
         (ARRAY, "slip.threshold", "newtons", 484.958, 484.96),  # 65535 codes of 3.7 mN, times 2 at level 2
@@ -288,12 +288,12 @@ def test_a_host_is_refused_what_the_build_never_reads(build, register, quantity,
 
 def test_the_bits_of_a_build():
     """A detail has level bits more than a sample; a load has 16 and those that number the taxels; an offset
-    has 17."""
+    has 17, of a row or a column 16."""
     assert widths("full") == {"detail": 18, "timer": 16, "load": 28, "offset": 17}  # 4096 taxels: 12
     assert widths("fingertip") == {"detail": 18, "timer": 16, "load": 20, "offset": 17}  # 9 taxels: 4
     # A serial path has samples of 13 bits, and its hold of 1000 details needs 10.
     assert widths("slip1") == {"detail": 14, "timer": 10, "load": 16, "offset": 17}
-    assert widths("fingertip", gains="row_column")["offset"] == 17
+    assert widths("fingertip", gains="row_column")["offset"] == 16
     assert widths("fingertip", gains="row_column", tare=False)["offset"] == 16
     assert of(ARRAY).widths == {"detail": 19, "timer": 16, "load": 21, "offset": 17}  # 30 taxels: 5
 
@@ -378,6 +378,20 @@ def test_a_sensor_that_cannot_rest_there_is_refused(sensor, slip, named):
 def test_a_finger_is_never_unhealthy_with_rail_samples_0():
     assert of(CHANNELS | {"grip": {"rail_samples": 0}}).settings["grip.rail"] == 0
     assert of(CHANNELS | {"grip": {"rail_samples": 1}}).settings["grip.rail"] == 1
+
+
+def test_a_gain_of_the_differences():
+    """A 6.3rd of Cx and Cy, 5.722391 and 8.649949; their shifts; and of the least current of an electrode."""
+    plain, build = of(ELECTRODES), of(ELECTRODES | {"load": ELECTRODES["load"] | {"difference_gain": 6.3}})
+    changed = {key: value for key, value in build.settings.items() if value != plain.settings[key]}
+    assert changed == {
+        "cop4.kx": 93_756,  # 5.722391 · 2^14 = 93755.7; · 2^15 is too much
+        "cop4.shift_x": 14,
+        "cop4.ky": 70_860,  # 8.649949 · 2^13 = 70860.4
+        "cop4.shift_y": 13,
+        "cop4.busy": 27_440,  # 27525.12 - (55 + 3)·(5.722391 + 1)/(5.722391 - 1) = 27442.56; less 3
+    }
+    assert build.parameters | {"Resets": 0} == plain.parameters | {"Resets": 0}
 
 
 def test_four_electrodes():

@@ -60,12 +60,8 @@ MISTAKES = {
         .: faults = []
     """,
     "cop_slip": """
-        .: rate_hz = 0; seeds = 0; features = ["slip"]
-        mesh: rows = 0; r_ohm = -1.0; R0_ohm = 0
-        converter: gain = 1.0
-        load: min_n = nan | 66.0
-        cop_slip: lag_ms = 0.0; lag_ms = 5000.0; drop = 1.0 | -0.1 | nan; move = 3.0
-        cop_slip: min_load_n = 66.0; hold_ms = -1.0; refractory = 1.0; move = 3e-05; drop = 0.0019
+        .: seeds = 0; features = ["slip"]; build = "nothing.toml" | "slip1" | 5; -build
+        .: mesh = {} (build); converter = {} (build); load = {} (build); cop_slip = {}; rate_hz = 9 (build)
         world: wire_n_mm = 0.0; cover_pitches = -1.0; pulls = []; grips = 5
         world.pulls.0: grip_n = -2.0 | nan; speed_mm_s = 0.0; direction_deg = 400.0; material = "ice"
         world.grips.0: to_n = [-1.0]; to_n = []; ramp_s = 0.0

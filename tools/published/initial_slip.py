@@ -37,7 +37,7 @@ about a real sensor, and one threshold separates all cases because of this choic
 coefficients without a unit; volts are assumed. That its threshold of ±0.01 on the coefficient is 0.02 V peak
 to peak is a reading, since it states both a peak to peak and ±0.01. The rows of the hand use
 `grip_pour` (seeds 1 to 20) and `grip_release` (1 to 10) in closed loop
-([grip_scenes.md](../grip_scenes.md)), where the threshold and the step follow Vc. Figures 2, 3, 6 and 15 are
+([grip_scenes.md](../grip_scenes.md)), where the step follows Vc. Figures 2, 3, 6 and 15 are
 drawings and photographs.
 """
 PLATEAU_HZ = (200.0, 300.0, 400.0, 500.0)

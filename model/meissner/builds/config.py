@@ -131,7 +131,12 @@ def _read(name: str, file: Any) -> Config:
             AdcSpi(part, base.channels, file.adc.lanes, clk_khz, sclk_khz)
     if isinstance(file, keys.ElectrodesFile):
         bits, mesh, load = part.data_bits, file.mesh, file.load
-        converter = four_wires.Converter(bits=bits, reference_v=file.adc.volts, gain=load.gain)
+        converter = four_wires.Converter(
+            bits=bits,
+            reference_v=file.adc.volts,
+            gain=load.gain,
+            difference_gain=load.difference_gain,
+        )
         cop4 = four_wires.config("[load]", mesh.mesh(mesh.r_ohm), converter, load)
         base = replace(base, cop4=cop4)
         if file.cop_slip:

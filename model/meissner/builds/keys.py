@@ -7,7 +7,7 @@ from msgspec import Meta
 
 from meissner.builds.cop_tables import Cop, CopSlipKeys
 from meissner.builds.features import FEATURES
-from meissner.builds.four_wires import Load, MeshKeys
+from meissner.builds.four_wires import DifferenceGain, Load, MeshKeys
 from meissner.builds.input_range import Sensed
 from meissner.builds.slip_table import SlipNewtons, SlipVolts
 from meissner.tables import Positive, Table, one_of, shown
@@ -119,6 +119,7 @@ class AmplifiedLoad(Load, frozen=True):
     """[load] of a build, whose converter has its own table."""
 
     gain: Annotated[float, Meta(ge=1e-3, le=1e3)] = 1.0
+    difference_gain: DifferenceGain = 1.0
 
 
 class File(Table, frozen=True):

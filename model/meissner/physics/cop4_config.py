@@ -32,6 +32,9 @@ ORIGINS = {
 class Cop4Config:
     """``adc``: symmetric about 0 V, after amplifiers of ``gain``: code = volts gain / lsb.
 
+    ``difference_gain``: of the pairs of amplifiers for E1, E3 and for E2, E4. Each pair keeps its mean and
+    multiplies its difference: (E1 + E3)/2 ± g (E1 - E3)/2.
+
     ``load_lsb_n``, ``min_load_n``: newtons; ``touch``: the kind of touch that the load's correction is fitted
     to, or "none". ValueError with one sentence if a value exceeds the converter's range or a register,
     TypeError if ``mesh`` is no Mesh or ``adc`` no Adc.
@@ -43,6 +46,7 @@ class Cop4Config:
     load_lsb_n: float = 1e-3
     min_load_n: float = 0.05
     touch: str = "none"
+    difference_gain: float = 1.0
 
     def __post_init__(self) -> None:
         for name, wanted in (("mesh", Mesh), ("adc", Adc)):
@@ -50,7 +54,7 @@ class Cop4Config:
             if not isinstance(given, wanted):
                 where = f"{wanted.__module__}.{wanted.__name__}"
                 raise TypeError(f"{name} must be a {where}, not {type(given).__name__}")
-        for name in ("gain", "load_lsb_n", "min_load_n"):
+        for name in ("gain", "load_lsb_n", "min_load_n", "difference_gain"):
             check_finite(name, given := getattr(self, name))
             if given < 0 or (given == 0 and name != "min_load_n"):
                 raise ValueError(f"{name} = {given:g} must be above 0")
@@ -79,7 +83,9 @@ class Cop4Config:
     @cached_property
     def _both(self) -> tuple[Cop4Registers, CorrectionRegisters | None]:
         registers = cop4_registers(
-            self.mesh, self.adc, self.gain, self.load_lsb_n, self.min_load_n, sample_bits=self.sample_bits
+            *(self.mesh, self.adc, self.gain, self.load_lsb_n, self.min_load_n),
+            sample_bits=self.sample_bits,
+            difference_gain=self.difference_gain,
         )
         return (registers, None) if self.fix is None else correct_registers(self.fix, registers)
 
@@ -96,4 +102,7 @@ class Cop4Config:
         self, volts: NDArray[np.floating], rng: np.random.Generator | None = None
     ) -> NDArray[np.int64]:
         """Codes [samples, 4] of electrode voltages [samples, 4]; noise only with ``rng``."""
+        if self.difference_gain != 1:
+            mean = (volts + volts[:, [2, 3, 0, 1]]) / 2
+            volts = mean + self.difference_gain * (volts - mean)
         return self.adc.convert(volts * self.gain, rng)[0]

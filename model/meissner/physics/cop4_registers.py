@@ -36,8 +36,10 @@ def cop4_registers(
     min_load: float = 0.05,
     imbalance: float = 1e-3,
     sample_bits: int = 17,
+    difference_gain: float = 1.0,
 ) -> Cop4Registers:
-    """``Cop4Registers`` for a mesh (m, n, r, R0, V0, k) read by ``adc`` through amplifiers of ``gain``.
+    """``Cop4Registers`` for a mesh (m, n, r, R0, V0, k) read by ``adc`` through amplifiers of ``gain``,
+    with ``difference_gain`` of opposite electrodes' differences (physics.cop4_config).
 
     ``mesh``: a Mesh or an object with those six; ``adc``: meissner.physics.adc.Adc, symmetric about 0 V since
     E2 and E4 are negative. ``load_lsb``, ``min_load``: newtons; ``imbalance``: a fraction of 2V0. An
@@ -52,6 +54,13 @@ def cop4_registers(
     if round(rail) + margin > adc.max_code:
         raise ValueError(f"V0 = {mesh.V0:g} V times the gain {gain:g} leaves no room below {adc.high_v:g} V")
     Cx, Cy, Kf = cop_constants(mesh.m, mesh.n, mesh.r, mesh.R0, mesh.V0, mesh.k)
+    least = min([C for C in (Cx, Cy) if C], default=np.inf)
+    if difference_gain != 1 and difference_gain >= least:
+        raise ValueError(
+            f"difference_gain = {difference_gain:g} must be below {least:.4g}, "
+            "or a load at the edge leaves the electrodes' range"
+        )
+    Cx, Cy = Cx / difference_gain, Cy / difference_gain
     kx, shift_x = scaled(Cx, 0, f"Cx = {Cx:g}")
     ky, shift_y = scaled(Cy, 0, f"Cy = {Cy:g}")
     kf, shift_load = scaled(Kf / load_lsb / (1 << LOAD_BITS), LOAD_SHIFT, f"Kf = {Kf:g} N at {load_lsb:g} N")

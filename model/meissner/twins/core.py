@@ -97,12 +97,15 @@ def samples_of(config, codes):
     return config.converter.samples(np.asarray(codes) & mask)
 
 
+def limits_of(config):
+    """The Limits of a configuration with health, as after reset."""
+    given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
+    return Limits(over_range_enable=bool(given.pop("use.user")), edges=bool(given.pop("use.edges")), **given)
+
+
 def array_of(config):
     """meissner.twins.sensor.sensors.Array of a configuration, as after reset."""
-    limits = tare = None
-    if config.health:
-        given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
-        limits = Limits(**given)
+    limits, tare = limits_of(config) if config.health else None, None
     if config.tare:
         tare = {"contact": config.tare.contact_codes, "step": config.tare.step}
     parameters, settings = config.parameters, config.settings

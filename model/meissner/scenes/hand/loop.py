@@ -14,7 +14,7 @@ import numpy as np
 from meissner.builds.input_range import Sensed, rails
 from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
-from meissner.scenes.hand.host import Host
+from meissner.scenes.hand.host import Host, quiet_v
 from meissner.scenes.hand.scene import grasp
 from meissner.twins.actuate.actuate import FingerHealth
 from meissner.twins.actuate.grip import Grip
@@ -114,6 +114,7 @@ class Reflexes:
         self.slip, self.windows = slip_of(channels, config), Windows(channels, config.window >> config.level)
         self.health = FingerHealth(channels, *rails(adc, Sensed(), "pulled_up"))
         self.reflexes = [grip_of(settings, 2, start=start) for start in starts]
+        self.gross_threshold = config.gross_threshold
 
     def compare_with(self, threshold):
         """Set the threshold [runs], in codes."""
@@ -125,9 +126,16 @@ class Reflexes:
             if (step, decay) != (reflex.config.step, reflex.config.decay):
                 reflex.config = replace(reflex.config, step=step, decay=decay)
 
+    def hold_above(self, floors):
+        """Set the least command; [runs], in counts."""
+        for reflex, floor in zip(self.reflexes, floors.tolist()):
+            if floor != reflex.config.minimum:
+                reflex.config = replace(reflex.config, minimum=floor)
+
     def next(self, codes):
         """(detail [channels, details], number of windows newly over [channels], Command of each run)."""
-        detail, _, self.over = self.slip.next(codes)
+        detail, p2p, self.over = self.slip.next(codes)
+        self.gross = (p2p > self.gross_threshold).any(axis=1)
         parts, ends, counts = self.windows.next(self.over)
         healthy = self.health.next(codes).reshape(-1, 2).tolist()
         parts = parts.reshape(len(self.reflexes), 2, -1).tolist()
@@ -166,6 +174,17 @@ class Cores:
         self.twin.answer_by(steps, decays)
         for core, step, decay in zip(self.cores, steps, decays):
             core["grip.step"], core["grip.decay"] = step, decay
+
+    def hold_above(self, floors):
+        """As Reflexes.hold_above."""
+        self.twin.hold_above(floors)
+        for core, floor in zip(self.cores, floors):
+            core["grip.minimum"] = floor
+
+    @property
+    def gross(self):
+        """As Reflexes.gross: what the host reads in the packets."""
+        return self.twin.gross
 
     def next(self, codes):
         """As Reflexes.next."""
@@ -273,7 +292,8 @@ def hold(scene, condition, seeds, parts):
     reflexes = Reflexes(parts, *given) if isinstance(parts, tuple) else parts(*given, block)
     goal = np.array([one.closing_mm for one in grasps])
     noise, adc = _Noise(scene, seeds, number), scene.adc
-    host = Host(scene, condition, reflexes, rubber.rest_volts(GRIP_N_MM * goal))
+    quiet = quiet_v(scene, condition, seeds)
+    host = Host(scene, condition, reflexes, rubber.rest_volts(GRIP_N_MM * goal), quiet)
     cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
     dead = np.inf if condition.dead_s is None else condition.dead_s
     since = scene.world["hold_from_s"]
@@ -294,7 +314,8 @@ def hold(scene, condition, seeds, parts):
         detail, counts, words = reflexes.next(codes)
         increment = np.array([word.increment for word in words])
         command = np.array([word.command for word in words])
-        host.read(codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, command)
+        gross = reflexes.gross.reshape(runs, 2).any(axis=1)
+        host.read(codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, command, gross)
         contact, at, _ = found.events
         last_event[contact] = cycle * block + np.ceil(at).astype(np.int64)
         wrong = (counts > 0) & (last_event < cycle * block - wait)
