@@ -281,7 +281,7 @@ def test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error(tmp_path, 
     monkeypatch.setattr(engines.fixed, "watch", wrong)
     for more in ([], ["--json"]):
         with pytest.raises(SystemExit) as ended:
-            cli.main([*arguments, *more])
+            cli.main([*arguments, "--overwrite", *more])
         said = capsys.readouterr()
         assert (
             ended.value.code == 1 and "mine: the core differs from its integer twin in 4 values" in said.err
