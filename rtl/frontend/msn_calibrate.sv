@@ -127,7 +127,7 @@ module msn_calibrate #(
       .out_offset_o(offset), .out_gain_o(gain), .out_loaded_o(loaded)
     );
 
-    logic unused_room, gone;
+    logic unused_room, unused_half, gone;
     logic [5:0]              owed;  // fifo places in use or promised, as of up to two clocks ago
     logic [Stages:1]         valid;
     logic [3*Stages-1:0]     marks;
@@ -185,7 +185,7 @@ module msn_calibrate #(
       .clk_i, .rst_i,
       .in_valid_i(valid[Stages]), .in_ready_o(unused_room),
       .in_data_i({marks[3*Stages-1-:3], mask[Stages*Lanes-1-:Lanes], rounded}),
-      .out_valid_o, .out_ready_i, .out_data_o({marks_out, out_mask_o, out_data_o})
+      .out_valid_o, .out_ready_i, .out_data_o({marks_out, out_mask_o, out_data_o}), .half_o(unused_half)
     );
   end
 
