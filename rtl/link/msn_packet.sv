@@ -4,7 +4,7 @@
 // docs/link.md. Waiting packets are sent in this order of priority:
 //
 //   slip          changes of channels' states, from a queue: slip_room_o falls when it is half full, slip_ready_o
-//                 when it is full
+//                 when it is full. After a change that starts no slip another packet but an image goes first
 //   answers       of the register bridge, never dropped
 //   states        of all channels on request, up to 128 to a packet; msn_state_report
 //   CoP           the newest; it replaces an older one not yet sent, which is counted
@@ -97,6 +97,7 @@ module msn_packet #(
   logic slip_take, cop_take, health_take, statistic_take, image_take, states_valid, states_take;
   logic [RecordBits-1:0] slip, cop, health, answer, statistic, image, states;
 
+  logic slip_start;  // the change that waits starts a slip
   if (SlipDepth > 0) begin : gen_slip
     logic             half;
     msn_pkg::change_t change;
@@ -108,11 +109,12 @@ module msn_packet #(
       .out_valid_o(slip_valid), .out_ready_i(slip_take), .out_data_o({change, change_time}), .half_o(half)
     );
     assign slip_room_o = !half;
+    assign slip_start  = change.start;
     assign past        = change.start ? '0 : {change.late, change.told, 1'b0};
     assign slip = {PayloadBits'({past, change.state, change.p2p, change.id}), change_time, 4'd6,
                    change.start ? 8'd1 : 8'd6};
   end else begin : gen_no_slip
-    assign {slip_ready_o, slip_room_o, slip_valid, slip} = '0;
+    assign {slip_ready_o, slip_room_o, slip_valid, slip_start, slip} = '0;
     logic unused_slip;
     assign unused_slip = ^{slip_valid_i, slip_take};
   end
@@ -228,11 +230,13 @@ module msn_packet #(
   state_e state;
 
   // The chosen source is registered and its record taken a clock later, because the record is wide.
-  logic                  idle, some;
+  logic                  idle, some, others, yields;  // yields: changes do, to the others
   logic [6:0]            waits, turn;  // the first of those that wait
   logic [RecordBits-1:0] chosen;
   assign idle  = state == Idle && !out_valid_o;
-  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, states_valid, answer_valid, slip_valid};
+  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, states_valid, answer_valid,
+                  slip_valid && (slip_start || !yields || !others)};
+  assign others = statistic_valid || health_valid || cop_valid || states_valid || answer_valid;
   assign some  = |waits;
   assign {image_take, statistic_take, health_take, cop_take, states_take, answer_ready_o, slip_take} = turn;
   assign chosen = ({RecordBits{turn[0]}} & slip) | ({RecordBits{turn[1]}} & answer) |
@@ -279,6 +283,8 @@ module msn_packet #(
       upper <= 1'b0;
       if (some) state <= Record;
     end
+    if (|turn[6:1]) yields <= 1'b0;
+    else if (turn[0] && !slip_start) yields <= 1'b1;
     if (|turn) begin
       bytes     <= {chosen[RecordBits-1:12], packets_o[7:0], chosen[7:0]};
       left      <= 5'd7 + 5'(chosen[11:8]);
@@ -289,6 +295,7 @@ module msn_packet #(
     if (rst_i) begin
       state       <= Idle;
       turn        <= '0;
+      yields      <= 1'b0;
       out_valid_o <= 1'b0;
       packets_o   <= '0;
     end

@@ -8,8 +8,8 @@ import members
 # Modules below the core whose ports tests see, and one signal: bench.run makes them visible.
 SEEN = """acquire adc_spi bridge cobs cop4 cop_accumulate cop_slip electrodes frame_filter frame_gate
 frame_owed health.dead_count health.railed_count health.blinking_count image_store link packet packet_slip
-registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip slip_chain.offered slip_flags
-slip_path slip_serial sync tare.tared_count tare.refused_count tare.swallowed_count time_stamp uart_tx"""
+registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip slip_chain.offered slip_changes
+slip_flags slip_path slip_serial sync tare.tared_count tare.refused_count tare.swallowed_count time_stamp uart_tx"""
 SEEN = tuple(f"msn_{name}" for name in SEEN.split())
 
 # The struct of each of these ends, and where it is.
@@ -17,6 +17,7 @@ STRUCTS = {
     **{"cfg": ("cfg", "registers.cfg_o"), "status": ("status", "registers.status_i")},
     **{"given": ("cfg", "array.cfg_i"), "sensed": ("status", "array.status_o")},
     **{"slip_cfg": ("slip_cfg", "slip.cfg_i"), "told": ("link_status", "link.status_o")},
+    **{"link_cfg": ("link_cfg", "link.cfg_i"), "change": ("change", "sender.in_i")},
     **{"decision": ("decision", "link.decision_i"), "cop": ("cop", "link.cop_i")},
 }
 
@@ -112,7 +113,8 @@ WIRES = {
     "link": [
         ("link.bus_{}_o", "registers.bus_{}_i", "valid write address wdata strobe"),
         ("registers.bus_{}_o", "link.bus_{}_i", "done error rdata"),
-        ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected"),
+        ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected changes_lost"),
+        ("cfg.link_{}", "link_cfg.{}", "events_none events_contact events_incipient events_gross events_release"),
         ("link.now_o", "now"),
         ("bus_{}_i", "link.host_{}_i", "valid write address wdata strobe"),
         ("link.host_{}_o", "bus_{}_o", "done error rdata"),
@@ -127,8 +129,14 @@ WIRES = {
         ("slip.in_ready_o", "acquire.out_ready_i"),
         ("acquire.out_{}_o", "slip.in_{}_i", "data id last"),
         ("acquire.convert_o", "sender.convert_i"),
-        ("slip.out_{}_o", "sender.in_{}_i", "valid raised state p2p"),
-        ("sender.in_ready_o", "slip.out_ready_i"),
+        ("slip.out_valid_o", "changes.in_valid_i"),
+        ("changes.in_ready_o", "slip.out_ready_i"),
+        ("changes.out_valid_o", "sender.in_valid_i"),
+        ("changes.out_o", "sender.in_i"),
+        ("sender.in_ready_o", "changes.out_ready_i"),
+        ("sender.room_o", "changes.room_i"),
+        ("slip.out_raised_o", "change.start"),
+        ("slip.out_{}_o", "change.{}", "state p2p"),
         ("sender.out_{}_o", "cobs.in_{}_i", "begin valid data last"),
         ("cobs.in_ready_o", "sender.out_ready_i"),
         ("cobs.out_{}_o", "uart.in_{}_i", "valid data"),
@@ -170,7 +178,7 @@ GLUE = {
 # elsewhere or through glue.
 OWN = {"adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
 ELSEWHERE = {f"cop4.p{n}.value": f"cop4.cfg_p_i[{18 * n + 17}:{18 * n}]" for n in range(6)}
-IN_STRUCTS = {"slip": "slip_cfg."} | {
+IN_STRUCTS = {"slip": "slip_cfg.", "link": "link_cfg."} | {
     name: f"given.{name}_" for name in ["scan", "health", "tare", "calibrate", "cop"]
 }
 OF_GLUE = ("core.scratch.value", "link.images.value")

@@ -77,6 +77,8 @@ module formal_packet #(
   logic         started = 1'b0;
   logic         run;       // a packet has been chosen, and not all its bytes have left
   logic [6:0]   waits, turn;
+  logic         yields;    // the last packet was a change, so the others go first once
+  logic [4:0]   others;
   logic         cop_waits, health_waits, statistic_waits, idle;
   logic [88:0]  cop;
   logic [47:0]  cop_time, health_time;
@@ -98,7 +100,9 @@ module formal_packet #(
   end
   assign idle  = !run && !out_valid_o;
   assign waits = {Taxels > 0 && dut.image_valid, Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
-                  States > 0 && dut.states_valid, Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid};
+                  States > 0 && dut.states_valid, Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid && (slip_start || !yields || others == '0)};
+  assign others = {Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
+                   States > 0 && dut.states_valid, Answers && answer_valid_i};
   always_ff @(posedge clk_i) begin
     cop_waits       <= cop_valid_i || (cop_waits && !turn[CopResult]);
     cop_dropped     <= cop_dropped + 32'(Cop && cop_valid_i && cop_waits && !turn[CopResult]);
@@ -106,6 +110,7 @@ module formal_packet #(
     statistic_waits <= pause == '1 || (statistic_waits && !turn[Statistic]);
     pause           <= pause + 1'b1;
     counter         <= statistics_i[32*(32'(which)%Counters)+:32];
+    if (turn[Slip] ? !slip_start : turn != '0) yields <= turn[Slip];
     if (cop_valid_i) {cop, cop_time} <= {cop_pressed_i, cop_load_i, cop_y_i, cop_x_i, cop_time_i};
     if (!health_waits) {health, health_time} <= {health_faults_i, health_id_i, now_i};
     if (turn[Statistic]) which <= (32'(which) == Statistics - 1) ? '0 : which + 1'b1;
@@ -115,6 +120,7 @@ module formal_packet #(
       health_waits    <= 1'b0;
       statistic_waits <= 1'b0;
       pause           <= '0;
+      yields          <= 1'b0;
       which           <= '0;
     end
   end
@@ -192,7 +198,7 @@ module formal_packet #(
     if (!started) assume (rst_i);
     if (started) begin
       assert (out_valid_o == valid && (!valid || (out_data_o == data && out_last_o == last)));
-      assert (out_begin_o == (run || waits[0]));
+      assert (out_begin_o == (run || (SlipDepth > 0 && dut.slip_valid)) && dut.yields == yields);
       assert (packets_o == packets && (!Cop || cop_dropped_o == cop_dropped));
       assert (answer_ready_o == turn[Answer] && health_ready_o == (Health && !health_waits));
       assert (dut.slip_take == turn[Slip] && States == 0);  // the report: tests

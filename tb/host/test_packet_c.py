@@ -49,12 +49,13 @@ def frames(rng, count):
     lengths = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}
     for number in range(count):
         kind = int(rng.choice([*p.KNOWN, 0, 77]))
+        lengths[p.STATES] = 4 + 2 * int(rng.integers(1, 33))
         length = lengths.get(kind, int(rng.integers(0, 242)))
         if rng.random() < 0.2:
             length = int(rng.integers(0, 242))
         payload = rng.choice([0, 1, 255, *rng.integers(0, 256, 5)], length).astype(np.uint8).tobytes()
         if kind == p.STATES and rng.random() < 0.8:  # often as many channels as the length says, or one more
-            payload = payload[:2] + struct.pack("<H", 2 * max(3, length) - 6 + int(rng.integers(2))) + payload[4:]
+            payload = payload[:2] + struct.pack("<H", max(0, 2 * length - 8) + int(rng.integers(2))) + payload[4:]
         yield encode(p.packet(kind, number * int(rng.integers(1, 3)), int(rng.integers(0, 1 << 48)), payload))
 
 
