@@ -763,7 +763,7 @@ EVIDENCE = {
         # Its image is sent while the next frame is scanned.
         "settle": 2,
         "driver": {
-            "free": 40000,
+            "free": 100000,
             # What a scan copied when it was enabled, until it is disabled.
             "kept": "settle_q period_q",
             # Counters up to a scan's next row and frame.

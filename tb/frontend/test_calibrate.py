@@ -69,9 +69,9 @@ class Stream:
         await bench.start(dut, **inputs)
         return self
 
-    async def load(self, twin=None, entries=None, pause=lambda: False):
+    async def load(self, entries=None, pause=lambda: False):
         """Write an entire bank, an entry a clock, with pauses."""
-        twin = twin or self.twin
+        twin = self.twin
         for entry in calibrations(twin.table, self.rng) if entries is None else entries:
             while pause():
                 await RisingEdge(self.dut.clk_i)
@@ -82,7 +82,10 @@ class Stream:
             await self.settings.pulse(self.dut.clk_i, **refused)
 
     async def swap(self):
-        await self.settings.pulse(self.dut.clk_i, swap=1)
+        """Request it in the clock of one more entry, which still belongs to the calibration."""
+        entry = calibrations(self.twin.table, self.rng)[0]
+        self.twin.table.put(*entry)
+        await self.settings.pulse(self.dut.clk_i, swap=1, **written(self.twin.table, *entry))
         self.twin.swap()
 
     def samples(self, count):

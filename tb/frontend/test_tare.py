@@ -267,6 +267,27 @@ async def clocks_are_as_stated(dut):
     assert gaps == [9 if (n + 1) % length == 0 else 1 for n in range(len(gaps))]
 
 
+@bench.applies(lambda dut: 1 < length_of(twin_of(dut)) < 10)
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
+    """Wherever the frame breaks off: the averaging starts again and is not refused."""
+    twin, settings = twin_of(dut, contact=20), await begin(dut, contact=20)
+    length = length_of(twin)
+    x = np.full((1, twin.rows, twin.columns), 9)
+    still = bench.lane_beats(x, twin.lanes, twin.sample_bits, mask=0 * x)
+    pressed = bench.lane_beats(x + 500, twin.lanes, twin.sample_bits, mask=0 * x)
+    for cut in range(1, length):
+        await bench.reset(dut)
+        twin.reset()
+        await settings.pulse(dut.clk_i, average=1)
+        twin.tare()
+        broken = [beat | {"last": place == cut - 1} for place, beat in enumerate(pressed[:cut])]
+        beats = bench.placed(still + broken + still * (2 + (1 << twin.tare_log2)), twin.rows, twin.row_beats)
+        assert await bench.stream(dut, beats, FIELDS) == expected_of(twin, beats)
+        await status_is(dut, twin)
+        assert (twin.tared, twin.refused) == (1, 0), cut
+
+
 EVIDENCE = {
     "equivalence": {"size": {"Columns": 5}, "defined": True, "boxes": True},
     "faults": {

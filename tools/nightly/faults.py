@@ -87,7 +87,7 @@ def recording(block):
         call = "import bench; bench.run({stage!r}, {block!r}, {parameters!r}, {test_filter!r}, "
         call += "sources={sources!r})"
         text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
-        paths = [str(toolchain.ROOT / folder) for folder in ("tb", "tools")]  # as in pyproject.toml
+        paths = [str(toolchain.ROOT / folder) for folder in ("tb", "tools", "tools/make")]
         paths = os.pathsep.join([*paths, *filter(None, [os.environ.get("PYTHONPATH")])])
         source = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text()
         ports = re.findall(
