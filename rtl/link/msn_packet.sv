@@ -4,7 +4,8 @@
 // docs/link.md. Waiting packets are sent in this order of priority:
 //
 //   slip          changes of channels' states, from a queue: slip_room_o falls when it is half full, slip_ready_o
-//                 when it is full. After a change that starts no slip another packet but an image goes first
+//                 when it is full. After a change that starts no slip the others go first once, after eight of
+//                 them an image's packet
 //   answers       of the register bridge, never dropped
 //   states        of all channels on request, up to 128 to a packet; msn_state_report
 //   CoP           the newest; it replaces an older one not yet sent, which is counted
@@ -231,11 +232,12 @@ module msn_packet #(
 
   // The chosen source is registered and its record taken a clock later, because the record is wide.
   logic                  idle, some, others, yields;  // yields: changes do, to the others
+  logic [2:0]            changes;                     // since a packet of an image
   logic [6:0]            waits, turn;  // the first of those that wait
   logic [RecordBits-1:0] chosen;
   assign idle  = state == Idle && !out_valid_o;
   assign waits = {image_valid, statistic_valid, health_valid, cop_valid, states_valid, answer_valid,
-                  slip_valid && (slip_start || !yields || !others)};
+                  slip_valid && (slip_start || !((yields && others) || (&changes && image_valid)))};
   assign others = statistic_valid || health_valid || cop_valid || states_valid || answer_valid;
   assign some  = |waits;
   assign {image_take, statistic_take, health_take, cop_take, states_take, answer_ready_o, slip_take} = turn;
@@ -285,6 +287,8 @@ module msn_packet #(
     end
     if (|turn[6:1]) yields <= 1'b0;
     else if (turn[0] && !slip_start) yields <= 1'b1;
+    if (turn[6]) changes <= '0;
+    else if (turn[0] && !slip_start && !(&changes)) changes <= changes + 1'b1;
     if (|turn) begin
       bytes     <= {chosen[RecordBits-1:12], packets_o[7:0], chosen[7:0]};
       left      <= 5'd7 + 5'(chosen[11:8]);
@@ -296,6 +300,7 @@ module msn_packet #(
       state       <= Idle;
       turn        <= '0;
       yields      <= 1'b0;
+      changes     <= '0;
       out_valid_o <= 1'b0;
       packets_o   <= '0;
     end

@@ -79,6 +79,7 @@ module formal_packet #(
   logic [6:0]   waits, turn;
   logic         yields;    // the last packet was a change, so the others go first once
   logic [4:0]   others;
+  logic [2:0]   changes;   // since an image's packet, at most 7
   logic         cop_waits, health_waits, statistic_waits, idle;
   logic [88:0]  cop;
   logic [47:0]  cop_time, health_time;
@@ -100,7 +101,7 @@ module formal_packet #(
   end
   assign idle  = !run && !out_valid_o;
   assign waits = {Taxels > 0 && dut.image_valid, Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
-                  States > 0 && dut.states_valid, Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid && (slip_start || !yields || others == '0)};
+                  States > 0 && dut.states_valid, Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid && (slip_start || !((yields && others != '0) || (changes == 3'd7 && Taxels > 0 && dut.image_valid)))};
   assign others = {Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
                    States > 0 && dut.states_valid, Answers && answer_valid_i};
   always_ff @(posedge clk_i) begin
@@ -111,6 +112,8 @@ module formal_packet #(
     pause           <= pause + 1'b1;
     counter         <= statistics_i[32*(32'(which)%Counters)+:32];
     if (turn[Slip] ? !slip_start : turn != '0) yields <= turn[Slip];
+    if (turn[Image]) changes <= '0;
+    else if (turn[Slip] && !slip_start && changes != 3'd7) changes <= changes + 1'b1;
     if (cop_valid_i) {cop, cop_time} <= {cop_pressed_i, cop_load_i, cop_y_i, cop_x_i, cop_time_i};
     if (!health_waits) {health, health_time} <= {health_faults_i, health_id_i, now_i};
     if (turn[Statistic]) which <= (32'(which) == Statistics - 1) ? '0 : which + 1'b1;
@@ -121,6 +124,7 @@ module formal_packet #(
       statistic_waits <= 1'b0;
       pause           <= '0;
       yields          <= 1'b0;
+      changes         <= '0;
       which           <= '0;
     end
   end
@@ -198,7 +202,7 @@ module formal_packet #(
     if (!started) assume (rst_i);
     if (started) begin
       assert (out_valid_o == valid && (!valid || (out_data_o == data && out_last_o == last)));
-      assert (out_begin_o == (run || (SlipDepth > 0 && dut.slip_valid)) && dut.yields == yields);
+      assert (out_begin_o == (run || (SlipDepth > 0 && dut.slip_valid)) && dut.yields == yields && dut.changes == changes);
       assert (packets_o == packets && (!Cop || cop_dropped_o == cop_dropped));
       assert (answer_ready_o == turn[Answer] && health_ready_o == (Health && !health_waits));
       assert (dut.slip_take == turn[Slip] && States == 0);  // the report: tests

@@ -86,6 +86,11 @@ class Talk:
 
     def drive(self, kind, number):
         dut = self.dut
+        if kind == "change":
+            dut.slip_valid_i.value, dut.slip_time_i.value = 1, number
+            change = {"id": 7, "p2p": number, "state": 4, "told": 1, "late": number % 2}
+            dut.slip_i.value = members.word("change", change)
+            return
         getattr(dut, "states_i" if kind == "states" else f"{kind}_valid_i").value = 1
         if kind == "slip":
             event = {"id": 0x0102 + number, "p2p": 0x030405 + number, "state": 2 + number % 2, "start": 1}
@@ -127,8 +132,12 @@ class Talk:
             head, checksum = packet[:-4], int.from_bytes(packet[-4:], "little")
             assert checksum == zlib.crc32(head)
             assert head[1] == count
-            kind = next(name for name, number in TYPES.items() if number == head[0])
             time, payload = int.from_bytes(head[2:8], "little"), head[8:]
+            if head[0] == 6:
+                assert payload == bytes([7, 0, time, 0, 0, 0x94 if time % 2 else 0x14])
+                found.append(("change", time))
+                continue
+            kind = next(name for name, number in TYPES.items() if number == head[0])
             assert kind == "image" or len(payload) == LENGTH[kind]
             if kind == "slip":
                 number = time - 0x060708090A0B
@@ -296,6 +305,35 @@ async def the_queue_exactly_full_and_empty(dut):
         await talk.run(60)
         sent = [number for kind, number in talk.kinds() if kind == "slip"]
         assert sent == list(range(number)), rounds
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def changes_that_never_end_let_the_others_pass(dut):
+    """The queue is never empty: after a change the others go first once, and after seven a part of an image;
+    starts of a slip, which are never kept back, then follow one another."""
+    await begin(dut)
+    talk = await again(dut)
+    for kind in ("image", "cop", "health", "answer", "states"):
+        talk.ask(kind, 45, (0 if kind == "image" else 3) if kind != "states" else 0)
+    number = 0
+    while len(talk.packets) < 28:
+        talk.left.setdefault(talk.clock, []).append(("change", number))
+        number += await talk.tick()
+    others = [("answer", 3), ("states", 0), ("cop", 3), ("health", 3), *PARTS["image"]]
+    before = [1, 1, 1, 1, 3, 7, 5]  # changes before each of these, and at the end
+    wanted, count = [], 0
+    for changes, other in zip(before, [*others, None]):
+        wanted += [("change", count + k) for k in range(changes)] + [other] * (other is not None)
+        count += changes
+    got = [one for one in talk.kinds() if one[0] != "statistic"]
+    assert got[: len(wanted)] == wanted, got
+    # A start behind the changes goes before a centre of pressure once it is first.
+    talk = await again(dut)
+    for place, kind in enumerate(("change", "slip", "slip", "cop")):
+        talk.ask(kind, 10 + place, 1)
+    await talk.run(15)
+    await talk.until_still()
+    assert talk.kinds() == [("change", 1), ("slip", 1), ("slip", 1), ("cop", 1)]
 
 
 def test_packet_coincidences():

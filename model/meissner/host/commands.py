@@ -121,6 +121,7 @@ def live(arguments: Namespace) -> None:
     messages: list[str] = []
     listen = False if arguments.listen else None
     with _connect(arguments, listen, messages.append) as core, _stopping(core):
+        core.ask_states()
         view = View(core)
         if sys.stdout.isatty():
             _live_picture(core, view, arguments.seconds, messages)
@@ -205,7 +206,7 @@ def _stopping(core: "Core") -> Iterator[None]:
 
 
 def log(arguments: Namespace) -> None:
-    from meissner.host import log
+    from meissner.host import Gap, log
 
     log.check_out(arguments.out)
     listen = False if arguments.listen else None
@@ -214,9 +215,12 @@ def log(arguments: Namespace) -> None:
         _stopping(core),
         log.recording(arguments.out, core) as recording,
     ):
+        core.ask_states()
         for item, beat in _beats(core, arguments.seconds, log.FLUSH_S):
             if item is not None:
                 recording.add(item)
+            if isinstance(item, Gap):
+                core.ask_states()
             if beat:
                 recording.flush()
     counts = core.counts

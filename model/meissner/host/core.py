@@ -203,6 +203,14 @@ class Core:
         if self._restarted:
             self._restore()
 
+    def ask_states(self) -> bool:
+        """Ask for the state of every channel, which ``packets`` then yields as States; False if this core has
+        none or is only listened to."""
+        asks = self.registers and ("slip" in self.features or "cop_slip" in self.features)
+        if asks:
+            self["link.states"] = 1
+        return asks
+
     def set(self, name: str, **amount: float) -> int:
         """Write one register in volts, newtons or seconds: ``core.set("slip.threshold", volts=0.02)``.
 
@@ -305,7 +313,7 @@ class Core:
 
         Yields
         ------
-        SlipEvent, CopFrame, Image, Health, Statistics or Gap
+        SlipEvent, StateChange, States, CopFrame, Image, Health, Statistics or Gap
         """
         end = None if seconds is None else time.monotonic() + seconds
         while True:

@@ -2,7 +2,10 @@
 
 Arrays, one row per packet, ``_time`` in clocks and ``_ns`` in nanoseconds of UTC:
 
-    slip_time, _ns, _channel, _state, _p2p           cop_time, _ns, _x, _y, _load, _pressed
+    change_time, _ns, _channel, _state, _before, _p2p, _late, _start         every change of a channel's state
+    slip_time, _ns, _channel, _state, _p2p           of these, the starts of a slip
+    state_time, _ns, _channel, _state                as asked for when the log began and after a gap
+    cop_time, _ns, _x, _y, _load, _pressed
     image_time, _ns, _number                         image [images, rows, columns]
     health_time, _ns, _taxel, _faults                statistics_time, _ns, _index, _value
     gap_ns, _seconds, _reason
@@ -198,6 +201,8 @@ def read(path: str | Path) -> Arrays:
             raise ValueError(f"{path} is cut off or damaged: it is not a complete .npz file of arrays")
     else:
         raise ValueError(f"{path} must be a .mcap or a .npz file, or the spool of an unfinished log")
+    older = {name: empty for name, empty in Table().arrays().items() if name.startswith(("change_", "state_"))}
+    arrays = older | arrays
     _check(path, arrays)
     return arrays
 
