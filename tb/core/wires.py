@@ -114,7 +114,11 @@ WIRES = {
         ("link.bus_{}_o", "registers.bus_{}_i", "valid write address wdata strobe"),
         ("registers.bus_{}_o", "link.bus_{}_i", "done error rdata"),
         ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected changes_lost"),
-        ("cfg.link_{}", "link_cfg.{}", "events_none events_contact events_incipient events_gross events_release"),
+        (
+            "cfg.link_{}",
+            "link_cfg.{}",
+            "events_none events_contact events_incipient events_gross events_release",
+        ),
         ("link.now_o", "now"),
         ("bus_{}_i", "link.host_{}_i", "valid write address wdata strobe"),
         ("link.host_{}_o", "bus_{}_o", "done error rdata"),

@@ -189,6 +189,11 @@ def test_log_and_replay(meissner, port):
         code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz")
         assert (code, err) == (0, "")
         assert "of 25×5 on engine fixed" in out and ", of which 0 differ; out.npz" in out
+        count = len(log.read(name)["change_time"])
+        assert (
+            out.splitlines()[1]
+            == f"{count} changes of channels' states, 0 of them after others that are missing"
+        )
         result, found = np.load("out.npz"), log.read(name)
         again = engines.process_cop(found["image"], "fixed", int(found["min_load"]))
         assert all(np.array_equal(result[field], again[field]) for field in again)
@@ -250,7 +255,9 @@ def test_live_shows_the_slip_of_a_build_without_registers(meissner):
         assert told.startswith("0.1") and "s: slip, channel 0, incipient, peak-to-peak" in told
         assert core.line.pipe.simulated_s >= item.time_s > 0.1
         now = core.line.pipe.now
-        assert f"; 1 slip event, 1 in contact, 1 slipping; simulated {now / 12_000_000:.3f} s, " in shown.line()
+        assert (
+            f"; 1 slip event, 1 in contact, 1 slipping; simulated {now / 12_000_000:.3f} s, " in shown.line()
+        )
     code, out, err = meissner("live", "core:slip1", "--seconds", 0.2)
     assert (code, err) == (0, "meissner: core:slip1 is built without registers: it is only listened to\n")
     assert re.search(r"; simulated \d\.\d{3} s, ", out.splitlines()[-1])

@@ -17,7 +17,7 @@ from meissner import engines, host
 from meissner.builds import units
 from meissner.builds.toolchain import ROOT
 from meissner.host import line, log, packets
-from meissner.host.replay import differences, replay
+from meissner.host.replay import changes, differences, replay
 from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import packet as p
 
@@ -100,6 +100,13 @@ def test_everything_is_in_the_log(tmp_path, kind):
     assert np.array_equal(np.diff(found["cop_ns"]), [10**6, 10**6])
     start = int(found["start_ns"]) - 1000 * int(found["start_time"])
     assert list(found["slip_ns"]) == [start + 4500 * 1000]
+
+
+def test_missing_changes_are_counted_by_hand():
+    """Channel 3 goes 0, 1, 2 and, what led there is missing, 4 from 1; channel 5 is first heard of in state 1."""
+    columns = {"channel": [3, 5, 3, 3, 5], "before": [0, 1, 1, 1, 2], "state": [1, 2, 2, 4, 1]}
+    found = {f"change_{name}": np.array(values) for name, values in columns.items()}
+    assert changes(found) == (5, 1)
 
 
 def test_mcap_holds_ros_messages(tmp_path):

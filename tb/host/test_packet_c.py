@@ -55,7 +55,9 @@ def frames(rng, count):
             length = int(rng.integers(0, 242))
         payload = rng.choice([0, 1, 255, *rng.integers(0, 256, 5)], length).astype(np.uint8).tobytes()
         if kind == p.STATES and rng.random() < 0.8:  # often as many channels as the length says, or one more
-            payload = payload[:2] + struct.pack("<H", max(0, 2 * length - 8) + int(rng.integers(2))) + payload[4:]
+            payload = (
+                payload[:2] + struct.pack("<H", max(0, 2 * length - 8) + int(rng.integers(2))) + payload[4:]
+            )
         yield encode(p.packet(kind, number * int(rng.integers(1, 3)), int(rng.integers(0, 1 << 48)), payload))
 
 

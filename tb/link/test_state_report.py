@@ -142,7 +142,9 @@ async def asked_again_it_starts_over(dut):
 EVIDENCE = {"equivalence": {"size": {"Channels": 9}}}
 
 
-@pytest.mark.parametrize("channels, first", [(1, 65535), (1, 0), (4, 0), (5, 0), (128, 0), (129, 0), (263, 0)])
+@pytest.mark.parametrize(
+    "channels, first", [(1, 65535), (1, 0), (4, 0), (5, 0), (128, 0), (129, 0), (263, 0)]
+)
 def test_state_report(channels, first):
     bench.run("link", "state_report", {"Channels": channels, "First": first})
 

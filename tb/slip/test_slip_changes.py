@@ -201,7 +201,9 @@ async def one_decision_a_clock_whatever_comes_first(dut):
     port = await begin(dut)
     await bench.reset(dut)
     assert await port.offer(0, NONE, last=0) == channels
-    waits = [await port.offer(channel, NONE, last=int(channel == channels - 1)) for channel in range(1, channels)]
+    waits = [
+        await port.offer(channel, NONE, last=int(channel == channels - 1)) for channel in range(1, channels)
+    ]
     waits += [await port.offer(channel, NONE, last=0) for channel in range(2)]
     assert waits == [0] * (channels + 1)
     assert [await port.offer(channel, CONTACT, last=0) for channel in range(2)] == [1, 0]

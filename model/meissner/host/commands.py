@@ -240,7 +240,7 @@ def log(arguments: Namespace) -> None:
 
 def replay(arguments: Namespace) -> None:
     from meissner.host import log
-    from meissner.host.replay import differences, replay
+    from meissner.host.replay import changes, differences, replay
 
     engines.load(arguments.engine)
     found = log.read(arguments.log)
@@ -259,3 +259,6 @@ def replay(arguments: Namespace) -> None:
         f"{f' (at most: {apart})' if wrong else ''}; "
         f"{'the log was not finished; ' if 'partial' in found else ''}{plain(arguments.out)}"
     )
+    count, broken = changes(found)
+    if count:
+        print(f"{count} changes of channels' states, {broken} of them after others that are missing")

@@ -201,7 +201,9 @@ def read(path: str | Path) -> Arrays:
             raise ValueError(f"{path} is cut off or damaged: it is not a complete .npz file of arrays")
     else:
         raise ValueError(f"{path} must be a .mcap or a .npz file, or the spool of an unfinished log")
-    older = {name: empty for name, empty in Table().arrays().items() if name.startswith(("change_", "state_"))}
+    older = {
+        name: empty for name, empty in Table().arrays().items() if name.startswith(("change_", "state_"))
+    }
     arrays = older | arrays
     _check(path, arrays)
     return arrays

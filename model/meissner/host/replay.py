@@ -25,6 +25,19 @@ def replay(log: Arrays, engine: str, min_load: int = 1) -> Arrays:
     return {"time": log["image_time"], **found, "logged": rows >= 0, **beside}
 
 
+def changes(log: Arrays) -> tuple[int, int]:
+    """(changes of channels' states in the log, how many of them do not begin with the state that the change
+    before of that channel led to): those between were lost."""
+    last: dict[int, int] = {}
+    broken = 0
+    for channel, before, state in zip(
+        *(log[f"change_{name}"].tolist() for name in ("channel", "before", "state"))
+    ):
+        broken += last.get(channel, before) != before
+        last[channel] = state
+    return len(log["change_state"]), broken
+
+
 def differences(result: Arrays) -> tuple[int, int, dict[str, int]]:
     """(frames logged with image and CoP, how many of them differ, {number: largest difference})."""
     both = result["logged"]

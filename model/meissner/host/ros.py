@@ -133,7 +133,12 @@ class McapWriter:
             self._write(stamp_ns, "/tactile/gap", "std_msgs/String", SimpleNamespace(data=text))
 
     def _change(
-        self, stamp_ns: int, item: packets.SlipEvent | packets.StateChange, before: int, late: bool, start: bool
+        self,
+        stamp_ns: int,
+        item: packets.SlipEvent | packets.StateChange,
+        before: int,
+        late: bool,
+        start: bool,
     ) -> None:
         values = {"channel": item.channel, "state": int(item.state), "before": before, "p2p": item.p2p}
         values |= {"late": int(late), "start": int(start)}

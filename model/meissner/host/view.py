@@ -154,7 +154,9 @@ class View:
         order = {State.GROSS: 0, State.INCIPIENT: 1, State.CONTACT: 2}
         for channel in sorted(self.states, key=lambda c: (order.get(self.states[c][0], 3), c))[:HIGHEST]:
             state, p2p, since = self.states[channel]
-            slips.add_row(channel_name(channel), Text(state_name(state), SLIP_COLOURS.get(state, "")), p2p, since)
+            slips.add_row(
+                channel_name(channel), Text(state_name(state), SLIP_COLOURS.get(state, "")), p2p, since
+            )
         parts: list[Panel | Text] = [
             Panel(slips, title=f"slip, {self._slips()}"),
             Panel(self._cop(), title="centre of pressure"),

@@ -22,7 +22,9 @@ class Packet:
 
 def fields_of(kind, payload):
     """The payload's fields by name; {} for an unknown type; None if the length does not fit the type."""
-    size = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}.get(kind, len(payload))
+    size = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}.get(
+        kind, len(payload)
+    )
     if size != len(payload):
         return None
     if kind == p.SLIP:

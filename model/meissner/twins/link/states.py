@@ -8,8 +8,8 @@ CHUNK = 128  # channels of a packet
 def report(states, first=0):
     """(first channel, channels left, words) of each packet of ``states``; ``first``: number of channel 0.
 
-        state of channel first + 4 n + k in bits 4 k .. 4 k + 2 of word n, 0 beyond the last channel
-        first = 0, 128, ..    left = channels - first
+    state of channel first + 4 n + k in bits 4 k .. 4 k + 2 of word n, 0 beyond the last channel
+    first = 0, 128, ..    left = channels - first
     """
     within(channels=(len(states), 1, 4096), first=(first, 0, 65535 if len(states) == 1 else 0))
     found = []
