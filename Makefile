@@ -54,7 +54,7 @@ $(SIM): $(PYENV)
 setup: $(SIM)  ## install the Python environment with all simulation tools in .venv
 
 demo: $(SIM)  ## run the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
-	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
+	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo --overwrite
 
 picture: demo  ## update README's picture from the demo: docs/acrylic_slip.png
 	@cp build/demo/acrylic_slip.png docs/

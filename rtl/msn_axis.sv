@@ -6,6 +6,7 @@
 //   m_axis   packets (docs/link.md) byte by byte, tlast on the final byte; no answer packets: AXI4-Lite answers
 //   s_axil   docs/registers.md
 //
+// Every ready is low in reset: what a reset would forget is not taken.
 // A packet's time is the clock tick of its frame's first beat. Model: model/meissner/twins/core.py
 
 module msn_axis #(
@@ -106,6 +107,9 @@ module msn_axis #(
     if (rst_i) id <= '0;
   end
 
+  logic ready;
+  assign s_axis_tready = ready && !rst_i;
+
   logic [Wide*SampleBits-1:0] samples;
   for (genvar k = 0; k < Wide; k++) begin : gen_lane
     assign samples[k*SampleBits+:SampleBits] = s_axis_tdata[32*k+:SampleBits];
@@ -134,7 +138,7 @@ module msn_axis #(
     .adc_cs_n_o(unused_cs_n), .adc_sclk_o(unused_sclk), .adc_mosi_o(unused_mosi), .adc_miso_i('0),
     .adc_convst_o(unused_convst), .adc_busy_i('0), .adc_reset_o(unused_reset),
     .actuator_moving_i,
-    .in_valid_i(s_axis_tvalid), .in_ready_o(s_axis_tready), .in_data_i(samples), .in_id_i(id),
+    .in_valid_i(s_axis_tvalid), .in_ready_o(ready), .in_data_i(samples), .in_id_i(id),
     .in_last_i(s_axis_tlast),
     .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o, .grip_word_o, .pwm_o,
     .verdict_o(unused_verdict), .decision_o(unused_decision),

@@ -138,7 +138,7 @@ module msn_core #(
   localparam int unsigned DetailBits = SampleBits + Level;
   localparam int unsigned IdBits     = msn_pkg::index_width(Taxels);
   // Bits of offsets and loads in this build, where its registers are wider: docs/registers.md, core.widths.
-  localparam int unsigned OffsetBits = (RowColumn && !Tare) ? 16 : 17;
+  localparam int unsigned OffsetBits = RowColumn ? 16 : 17;
   localparam int unsigned LoadBits   = (Taxels > 65536) ? 32 : 16 + $clog2(Taxels);
 
   logic [47:0] now;

@@ -41,7 +41,6 @@ rtl/frontend/msn_health_taxel.sv
 rtl/frontend/msn_health.sv
 rtl/frontend/msn_health_report.sv
 rtl/frontend/msn_tare.sv
-rtl/frontend/msn_calibration_preset.sv
 rtl/frontend/msn_taxel_table.sv
 rtl/frontend/msn_grid_table.sv
 rtl/frontend/msn_calibrate.sv

@@ -29,7 +29,9 @@ from harness.stimulus import (
     width,
 )
 from harness.streams import (
+    carries,
     clocks,
+    counts_on,
     force_frame,
     high,
     inputs_in_reset,

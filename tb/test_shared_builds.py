@@ -84,14 +84,41 @@ def test_that_fails_before_it_builds():
 """
 
 
-@pytest.fixture(scope="module")
-def session(tmp_path_factory):
-    """What a session of pytest on FILE printed, and what its simulations wrote."""
-    folder = tmp_path_factory.mktemp("together")
+# The simulation says itself that the test's time is over, by the signal of pytest-timeout.
+HANGS = """
+import os
+import signal
+import threading
+
+import cocotb
+import pytest
+
+import bench
+
+os.environ.setdefault("SESSION", str(os.getpid()))
+
+def waits_in_a_thread():
+    threading.Event().wait()
+
+@cocotb.test()
+async def may_hang(dut):
+    while dut.Depth.value.to_unsigned() == 2:
+        os.kill(int(os.environ["SESSION"]), signal.SIGALRM)
+        signal.pause()
+
+@pytest.mark.parametrize("depth", [2, 3])
+def test_sizes(depth):
+    threading.Thread(target=waits_in_a_thread, daemon=True).start()
+    bench.run("stage", "delay", {"Depth": depth, "Width": 9}, "may_hang", "test_sizes")
+"""
+
+
+def run(folder, text, *more):
+    """What a session of pytest on such a file printed."""
     (folder / "stage").mkdir()
     (folder / "conftest.py").write_text(CONFTEST)
     (folder / "pytest.ini").write_text("[pytest]\naddopts = --import-mode=importlib\n")
-    (folder / "stage/test_sizes.py").write_text(FILE)
+    (folder / "stage/test_sizes.py").write_text(text)
     # The simulator too imports the file, from the folder, and the benches' modules.
     paths = [folder, HERE, HERE.parent / "tools", *filter(None, [os.environ.get("PYTHONPATH")])]
     given = {
@@ -99,9 +126,23 @@ def session(tmp_path_factory):
         "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
         "TOLD": str(folder / "told"),
     }
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-rA", "--tb=short", "stage"]
-    done = subprocess.run(command, cwd=folder, env=os.environ | given, capture_output=True, text=True)
-    return done.stdout, (folder / "told").read_text().splitlines()
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-rA", "--tb=short", *more, "stage"]
+    return subprocess.run(command, cwd=folder, env=os.environ | given, capture_output=True, text=True).stdout
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory):
+    """What a session of pytest on FILE printed, and what its simulations wrote."""
+    folder = tmp_path_factory.mktemp("together")
+    return run(folder, FILE), (folder / "told").read_text().splitlines()
+
+
+def test_a_simulation_that_hangs_ends_with_its_test(tmp_path):
+    """Every thread's stack is printed, the next test has a simulator of its own, and the session ends."""
+    said = run(tmp_path, HANGS, "-p", "pytest_timeout", "--timeout", "500")
+    assert "FAILED stage/test_sizes.py::test_sizes[2] - Failed: Timeout" in said
+    assert "PASSED stage/test_sizes.py::test_sizes[3]" in said
+    assert "in waits_in_a_thread" in said and "in run\n" in said
 
 
 def test_every_size_is_simulated_as_if_it_were_alone(session):

@@ -1,6 +1,9 @@
-"""Types of arrays in signatures."""
+"""Types of arrays in signatures, and the check of the numbers in them."""
 
-from typing import Any, TypeVar
+from collections.abc import Callable
+from functools import wraps
+from inspect import signature
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,3 +14,33 @@ Floats = NDArray[np.float64]
 Values = float | Floats  # a number, or one for each
 V = TypeVar("V", float, Floats)  # a number gives a number, an array an array
 Arrays = dict[str, NDArray[Any]]  # by name, as in a .npz file
+
+LARGEST = 1e12  # size of any force, voltage, length, time or frequency
+P, R = ParamSpec("P"), TypeVar("R")
+
+
+def check_finite(name: str, value: object) -> None:
+    """ValueError unless every number of ``value`` is at most LARGEST in size; what is no number passes."""
+    if isinstance(value, list | tuple):
+        for each in value:
+            check_finite(name, each)
+    elif isinstance(value, int | float | complex | np.number):
+        if not abs(value) <= LARGEST:
+            shown = value if isinstance(value, int) else f"{value:g}"
+            raise ValueError(f"{name} = {str(shown)[:40]} must be a number of at most {LARGEST:g} in size")
+    elif isinstance(value, np.ndarray) and value.dtype.kind in "iufc":
+        check_finite(f"the largest of {name}", np.abs(value).max(initial=0))
+
+
+def finite(function: Callable[P, R]) -> Callable[P, R]:
+    """``function`` whose arguments are checked first (``check_finite``), all but a seed."""
+    names = list(signature(function).parameters)
+
+    @wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+        for name, value in (*zip(names, args), *kwargs.items()):
+            if name != "seed":
+                check_finite(name, value)
+        return function(*args, **kwargs)
+
+    return checked

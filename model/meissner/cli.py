@@ -37,7 +37,7 @@ def check_scene(arguments):
     from meissner.scenes import features
     from meissner.scenes.sensor import sensor, used
 
-    scene = scenes.read(arguments.scene)
+    scene = scenes.load(arguments.scene)
     run.check(scene, arguments.engine)
     print(f"{plain(scene.name)}: {plain(scene.title)}")
     of = sensor(scene.sensor)
@@ -59,7 +59,6 @@ def run(arguments):
     from pathlib import Path
 
     from meissner import run, scenes
-    from meissner.scenes.features import with_modules
 
     scene = scenes.load(arguments.scene)
     run.check(scene, arguments.engine, arguments.waves)
@@ -79,9 +78,22 @@ def run(arguments):
         raise
     if arguments.json:
         print(json.dumps(summary, indent=2))
-        return
+    else:
+        _tell(scene, summary, out)
+    if wrong := summary["twin_mismatches"]:
+        sys.stdout.flush()
+        said = f"{plain(scene.name)}: the core differs from its integer twin in {wrong} values"
+        print(f"meissner: {said}", file=sys.stderr)
+        sys.exit(1)
+
+
+def _tell(scene, summary, out):
+    """Print what a run found."""
+    from meissner import run
+    from meissner.scenes.features import with_modules
+
     runs = f"{summary['runs']} run{'s' * (summary['runs'] > 1)}"
-    print(f"{scene.name}: {scene.title}")
+    print(f"{plain(scene.name)}: {plain(scene.title)}")
     print(
         f"engine {summary['engine']}, {runs}, {summary['seconds_simulated']:g} s "
         f"simulated in {summary['seconds_taken']:.1f} s, "
@@ -97,11 +109,22 @@ def run(arguments):
     print(f"\nresults: {plain(out)}/report.html, summary.json, result.npz and pictures")
 
 
+def _keep(arguments):
+    """Refuse an output that would replace an input or an earlier result (files.check_kept)."""
+    if getattr(arguments, "overwrite", None) is not None and arguments.out is not None:
+        from meissner.files import check_kept
+
+        inputs = [value for name, value in vars(arguments).items() if name not in ("out", "call")]
+        names = (value for value in inputs if isinstance(value, str))
+        check_kept(arguments.out, arguments.overwrite, names, arguments.holds)
+
+
 def main(arguments=None):
     """Entry point; returns only on success."""
     plain_streams()
     arguments = parser().parse_args(arguments)
     try:
+        _keep(arguments)
         module, _, name = arguments.call.partition(":")
         getattr(import_module(module), name)(arguments)
         sys.stdout.flush()

@@ -140,6 +140,23 @@ def check_out(path):
     return path
 
 
+def check_kept(out, overwrite, inputs, holds=""):
+    """Raise ValueError if output to ``out`` would lose a file: one of ``inputs``, each perhaps a file or a
+    prefix, a colon and a file; without ``overwrite`` any that exists. ``holds``: its name in a folder.
+    """
+    out = Path(out)
+    target = out / holds if holds and out.is_dir() else out
+    if not target.is_file() or (holds and target.suffix.lower() != Path(holds).suffix):
+        return  # free, or no place for this output: its command says so
+    for name in inputs:
+        for path in (Path(name), Path(name.partition(":")[2])):
+            with suppress(OSError):
+                if path.is_file() and path.samefile(target):
+                    raise ValueError(f"{out} is an input of this command: name another output")
+    if not overwrite:
+        raise ValueError(f"{target} exists: name another output, or replace it with --overwrite")
+
+
 @contextmanager
 def written(path):
     """A binary file that gets the name ``path`` only after it is completely written."""

@@ -246,24 +246,42 @@ def fit(steps, confidence=CONFIDENCE):
     return Fit(steps, value, value - half, value + half, residual)
 
 
-def registers(found, codes_per_v=CODES_PER_V):
-    """The registers of msn_shear_speed that follow from a Fit, by name."""
-    from meissner.twins.slip.shear_speed import ShearSettings  # here: a fit needs no estimator
+def _ranges(found):
+    """Where the constants hold: Vi from and to, the highest speed, at most the largest of its register."""
+    from meissner.twins.slip.shear_speeds import SIZE  # here: a fit needs no estimator
 
     rest_v, _, speed_mm_s = found.steps
-    named = dict(zip(NAMES, map(float, found.value)))
-    ranges = {"vi_min": rest_v.min(), "vi_max": rest_v.max(), "limit": speed_mm_s.max()}
+    most = 16 - 1e-4  # a speed has 24 bits
+    assert 1 << 24 - SIZE.speed_fraction == 16
+    return {
+        "vi_min": float(rest_v.min()),
+        "vi_max": float(rest_v.max()),
+        "limit": min(float(speed_mm_s.max()), most),
+    }
+
+
+def registers(found, codes_per_v=CODES_PER_V):
+    """The registers of msn_shear_speed that follow from a Fit, by name."""
+    from meissner.twins.slip.shear_speed import ShearSettings
+
+    ranges = _ranges(found)
     # None of these registers depends on the rate of the windows.
-    settings = ShearSettings.of(codes_per_v, 10_000, **named, **{k: float(v) for k, v in ranges.items()})
+    settings = ShearSettings.of(codes_per_v, 10_000, **dict(zip(NAMES, map(float, found.value))), **ranges)
     return {f"cfg_{name}": getattr(settings, name) for name in ("k0", "k1", "exponent", *ranges)}
 
 
-def _register_lines(found, codes_per_v):
+def _table_lines(found, codes_per_v):
+    """[shear_speed] of a build (docs/config.md) and its registers; as comments if no core holds them."""
+    k0, k1, n = found.value
+    vi_min, vi_max, limit = _ranges(found).values()
+    keys = {"k0_v": k0, "k1": k1, "n": n, "vi_min_v": vi_min, "vi_max_v": vi_max, "limit_mm_s": limit}
+    table = ["[shear_speed]", *(f"{name} = {value:.6g}" for name, value in keys.items())]
     try:
         words = ", ".join(f"{name} = {value}" for name, value in registers(found, codes_per_v).items())
     except ValueError as problem:
-        return [f"# no registers of msn_shear_speed: {problem}"]
+        return [f"# no registers of msn_shear_speed: {problem}", *(f"# {line}" for line in table)]
     return [
+        *table,
         f"# registers of msn_shear_speed, {codes_per_v:g} codes a volt (docs/shear_speed.md):",
         f"# {words}",
     ]
@@ -294,11 +312,7 @@ def tell(found, codes_per_v=CODES_PER_V):
         *lines,
         "",
         "# dV = (k0 + k1·Vi)·v^n, v = (dV/(k0 + k1·Vi))^(1/n); volts and mm/s",
-        "[shear_speed]",
-        *(f"{name} = {value:.6g}" for name, value in zip(NAMES, found.value)),
-        f"rest_v = [{rest_v.min():.3g}, {rest_v.max():.3g}]",
-        f"speed_mm_s = [{speed_mm_s.min():.3g}, {speed_mm_s.max():.3g}]",
-        *_register_lines(found, codes_per_v),
+        *_table_lines(found, codes_per_v),
     ]
 
 

@@ -7,12 +7,20 @@ from meissner.names import EVERY, NAMES, PICTURE
 from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
+LOADED = "a file that `meissner calibrate` wrote, to write into the core first"
 CONFIG = "the core's configuration, for physical units: a name or a TOML file"
 
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message):
         self.exit(2, f"{self.prog}: {plain(message)} (see {self.prog} --help)\n")
+
+
+def _out(parser, metavar, what, required=False, holds=""):
+    """--out, which replaces no earlier file without --overwrite; ``holds``: that file's name in a folder."""
+    parser.add_argument("--out", required=required, metavar=metavar, help=what)
+    parser.add_argument("--overwrite", action="store_true", help="replace an earlier output")
+    parser.set_defaults(holds=holds)
 
 
 def parser():
@@ -36,9 +44,9 @@ def _run(commands):
     listing.set_defaults(call="meissner.cli:scenes")
 
     run = commands.add_parser("run", help="run a scene: physics, converter, core, report")
-    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists")
+    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists, or a TOML file")
     run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    run.add_argument("--out", metavar="DIR", help="folder for the results (build/run/SCENE)")
+    _out(run, "DIR", "folder for the results (build/run/SCENE)", holds="summary.json")
     run.add_argument(
         "--seed", type=int, default=1, help="first seed; the scene determines how many follow (1)"
     )
@@ -65,7 +73,7 @@ def _process(commands):
     slip.add_argument("--hop", type=int, help="samples, even, 2 to window (default: the window)")
     slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
     slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    slip.add_argument("--out", required=True, metavar="OUT.npz", help="output file, .npz or .csv")
+    _out(slip, "OUT.npz", "output file, .npz or .csv", required=True)
     slip.set_defaults(call="meissner.process:slip")
 
     cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
@@ -73,7 +81,7 @@ def _process(commands):
     cop.add_argument("--min-load", type=int, default=1, help="minimum sum of forces for a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="a file that `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    cop.add_argument("--out", required=True, metavar="OUT.npz", help="output file, .npz or .csv")
+    _out(cop, "OUT.npz", "output file, .npz or .csv", required=True)
     cop.set_defaults(call="meissner.process:cop")
 
     cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
@@ -82,7 +90,7 @@ def _process(commands):
         "--config", required=True, metavar="C.toml", help="docs/cop4.md, or a build's (docs/config.md)"
     )
     cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    cop4.add_argument("--out", required=True, metavar="OUT.npz", help="output file, .npz or .csv")
+    _out(cop4, "OUT.npz", "output file, .npz or .csv", required=True)
     cop4.set_defaults(call="meissner.process:cop4")
 
 
@@ -93,6 +101,7 @@ def _host(commands):
         "names", metavar="NAME[=VALUE]", nargs="*", help="docs/registers.md; VALUE 40, 0x28, 20mV, 0.5N, 5ms"
     )
     regs.add_argument("--config", metavar="FILE", help=CONFIG)
+    regs.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
     regs.set_defaults(call="meissner.host.commands:regs")
 
     live = commands.add_parser(
@@ -101,18 +110,24 @@ def _host(commands):
     _line_arguments(live)
     live.set_defaults(call="meissner.host.commands:live")
 
-    log = commands.add_parser("log", help="write a core's packets to MCAP (ROS 2) or npz")
+    log = commands.add_parser(
+        "log",
+        help="write a core's packets to MCAP (ROS 2) or npz: log PORT --out FILE.mcap",
+        epilog="example: meissner log serial:/dev/ttyUSB0 --out touch.mcap",
+    )
     _line_arguments(log)
-    log.add_argument("--out", required=True, metavar="FILE", help="a .mcap or a .npz file")
+    _out(log, "FILE", "a .mcap or a .npz file", required=True)
     log.set_defaults(call="meissner.host.commands:log")
 
     replay = commands.add_parser(
-        "replay", help="run a log's images through an engine and compare with the core's own results"
+        "replay",
+        help="compare an engine's results for a log's images with the core's own: replay LOG --out OUT.npz",
+        epilog="example: meissner replay touch.mcap --out compared.npz",
     )
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
-    replay.add_argument("--out", required=True, metavar="OUT.npz", help="output file, .npz or .csv")
+    _out(replay, "OUT.npz", "output file, .npz or .csv", required=True)
     replay.set_defaults(call="meissner.host.commands:replay")
 
 
@@ -128,6 +143,7 @@ def _line_arguments(parser):
         "--listen", action="store_true", help="do not read registers (for a core without them)"
     )
     parser.add_argument("--config", metavar="FILE", help=CONFIG)
+    parser.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
     parser.add_argument(
         "--clk-khz", type=int, metavar="KHZ", help="the core's clock, if its registers are not read"
     )
@@ -136,14 +152,14 @@ def _line_arguments(parser):
 def _budget(commands):
     parser = commands.add_parser(
         "budget",
-        help="latency of a scanned array, term by term; --config: of a grip reflex; --cop4: resolution of "
-        "a four-wire sensor",
+        help="latency of a scanned array, term by term; --config: of a build; --cop4: resolution of a "
+        "four-wire sensor",
     )
     parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
     parser.add_argument(
         "--config",
         metavar="NAME",
-        help="latency of a build's [grip], from slip to command word, and [shear_speed]",
+        help="latency of a build (a name or a TOML file): its [grip] and [shear_speed], else its sensor",
     )
     parser.add_argument("--rows", type=int, metavar="M", help="rows (64; --cop4: 41)")
     parser.add_argument("--columns", "--cols", type=int, metavar="N", help="columns (64; --cop4: 41)")
@@ -201,7 +217,7 @@ def _budget(commands):
         "--gain", type=float, default=1.0, help="gain of the difference amplifiers, 1: none (1)"
     )
     parser.add_argument("--load", type=float, default=5.0, metavar="F", help="load on one point, newtons (5)")
-    parser.add_argument("--out", metavar="PATH", help=f"a picture: a .png file, or a folder for {PICTURE}")
+    _out(parser, "PATH", f"a picture: a .png file, or a folder for {PICTURE}", holds=PICTURE)
 
 
 def _tradeoff(commands):
@@ -244,9 +260,7 @@ def _choose(commands):
     parser.add_argument(
         "--sweep", metavar="DIR", help="results of `meissner tradeoff` (default: those of the package)"
     )
-    parser.add_argument(
-        "--out", metavar="FILE.toml", help="write the configuration to this file (default: print it)"
-    )
+    _out(parser, "FILE.toml", "write the configuration to this file (default: print it)")
     parser.set_defaults(call="meissner.tradeoff.command:choose")
 
 
@@ -257,7 +271,10 @@ def _calibrate(commands):
     parser.add_argument(
         "--lsb", type=float, metavar="N", help="newtons per code of force (default: the finest)"
     )
-    parser.add_argument("--out", required=True, metavar="CAL.npz", help="output file of offsets and gains")
+    parser.add_argument(
+        "--adc-bits", type=int, metavar="B", help="of the converter (default: from codes at its ends)"
+    )
+    _out(parser, "CAL.npz", "output file of offsets and gains", required=True)
     parser.set_defaults(call="meissner.calibration:command")
 
 

@@ -53,7 +53,11 @@ def cop(arguments):
         forces = calibration.check_codes(files.read_array(arguments.input), lines.offset.shape)
     else:
         forces = engines.check_forces(files.read_array(arguments.input))
-    run = lambda x: engines.process_cop(x, arguments.engine, arguments.min_load, lines)
+
+    def run(x):
+        found = engines.process_cop(x, arguments.engine, arguments.min_load, lines)
+        return found if lines is None else found | {"load_n": lines.load_n(x, found["sum"])}
+
     result, taken = _timed(arguments, run, forces, forces[:1])
     frames, rows, columns = forces.shape
     print(

@@ -21,7 +21,9 @@ import msgspec
 from msgspec import Meta
 from msgspec import inspect as kinds
 
-SMALLEST, LARGEST = 1e-12, 1e12  # sizes of any sensor, clock, converter and time
+from meissner.arrays import LARGEST
+
+SMALLEST = 1e-12  # with LARGEST, the sizes of any sensor, clock, converter and time
 _SHORT = Repr()
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 40
 _SHORT.maxlevel = 2
@@ -75,6 +77,15 @@ class _Place(NamedTuple):
 def exact(value: float | Fraction) -> Fraction:
     """The exact value of a number as written in decimal: 0.57 is 57/100."""
     return Fraction(value) if isinstance(value, int | Fraction) else Fraction(repr(float(value)))
+
+
+def whole(key: str, value: float, factor: Fraction, most: int = 65535) -> int:
+    """``value``·``factor`` to the nearest; ValueError above ``most``, or where only rounding makes it 0."""
+    found = round(exact(value) * factor)
+    if found > most or (value and not found):
+        least, most_value = float(1 / (2 * factor)), float(most / factor)
+        raise ValueError(f"{key} = {value:g} must be 0, or above {least:g} and at most {most_value:g}")
+    return found
 
 
 def shown(value: object) -> str:

@@ -12,7 +12,8 @@
 //
 // A command leaves 4 clocks after a decision that arrives at the end of a period, or, with cfg_immediate_i, after the
 // first decision over in a period; 5 clocks if the period's end has just given a command. A decision and a speed a
-// clock; a speed is used for windows from 3 clocks after it. No back-pressure: nothing waits for the hand.
+// clock; a speed is used for windows from 3 clocks after it. No back-pressure: nothing waits for the hand. A change of
+// cfg_mode_i is a reset of one clock.
 // fault_o: silent, unhealthy, at the limit, minimum > maximum, unarmed.   Model: model/meissner/twins/actuate/grip.py
 // Error: none.
 
@@ -90,6 +91,17 @@ module msn_grip #(
 
   localparam logic [CommandBits-1:0] Top = '1;
 
+  // The mode and whether it has had a command, with a parity bit: an upset of a single bit would otherwise reset a
+  // position to its minimum. With a wrong parity the hand goes on as fault_o says, and the code is written again.
+  logic [2:0] given;
+  logic       known, live, rst;
+  function automatic logic [2:0] code(logic mode, logic armed);
+    code = {mode, armed, mode ^ armed};
+  endfunction
+  assign known = !(^given);
+  assign live  = known ? given[1] : !fault_o[4];
+  assign rst   = rst_i || (known && given[2] != cfg_mode_i);
+
   // The speed's part of a window's wish, for each finger: 0 until the first report, after a report without a speed,
   // and after a cycle in which the finger was faulty.
   localparam int unsigned ProductBits = SpeedBits + 1 + GainBits;
@@ -126,7 +138,7 @@ module msn_grip #(
     speed_ok_2    <= speed_ok_1;
     speed_id_1    <= speed_id_i;
     speed_id_2    <= speed_id_1;
-    if (rst_i) begin
+    if (rst) begin
       ends          <= 1'b0;
       clocks        <= '0;
       done          <= 1'b0;
@@ -138,8 +150,8 @@ module msn_grip #(
   end
 
   // 1: a window counts once, at its first decision over. The begin of a cycle clears what was gathered, and a decision
-  // in its first clock belongs to the next cycle.
-  logic [Fingers-1:0]                  hit, counts;
+  // in its first clock belongs to the next cycle, without the speeds that the cycle clears.
+  logic [Fingers-1:0]                  hit, counts, faulty;
   logic [Fingers-1:0][CommandBits-1:0] wish;
   logic [Fingers-1:0][2:0]             streak, streak_next;  // windows over in a row before, 7 at most
   logic [Fingers-1:0][2:0]             doublings;            // of the step: min(streak, cfg_boost_i)
@@ -150,7 +162,11 @@ module msn_grip #(
     for (int unsigned f = 0; f < Fingers; f++) begin
       hit[f]    = over_valid_i && over_id_i == IdBits'(f);
       counts[f] = hit[f] && over_i && !counted[f];
-      if (hit[f]) {old_wish, old_term, old_doublings} = {go ? '0 : wish[f], term[f], doublings[f]};
+      if (hit[f]) begin
+        old_wish      = go ? '0 : wish[f];
+        old_term      = (go && faulty[f]) ? '0 : term[f];
+        old_doublings = doublings[f];
+      end
       streak_next[f] = streak[f];
       if (hit[f] && over_end_i) begin
         streak_next[f] = (counted[f] || over_i) ? streak[f] + 3'(streak[f] != '1) : '0;
@@ -166,7 +182,7 @@ module msn_grip #(
   // 2: join the working fingers. Cycles begin at least two clocks apart, so the watchdog's comparison has a clock.
   logic [Fingers-1:0][TimerBits-1:0] quiet;   // cycles in a row without a decision
   logic [Fingers-1:0]                nearly;  // one more quiet cycle reaches cfg_watchdog_i
-  logic [Fingers-1:0]                silent, faulty, faulty_2;
+  logic [Fingers-1:0]                silent, faulty_2;
   logic [CommandBits-1:0]            largest, smallest, joined;
   logic                              slips, falls, any_silent, any_sick;
   assign silent = nearly & ~seen;
@@ -204,7 +220,7 @@ module msn_grip #(
       any_sick   <= |sick;
       faulty_2   <= faulty;
     end
-    if (rst_i) begin
+    if (rst) begin
       {counted, fresh, over, seen, sick, nearly} <= '0;
       {wish, term, quiet, streak, doublings}     <= '0;
     end
@@ -212,17 +228,10 @@ module msn_grip #(
 
   // 3: the goal and the limits of the command. The first command in a mode is not limited by `rate`: a position starts
   // at the minimum, a force at the host's override value.
-  //
-  // The mode of the last command is one-hot: an upset of a single bit would otherwise send a position to its minimum. With
-  // any other code the hand goes on if the last cycle gave a command, which fault_o says, and the next command writes it.
-  localparam logic [2:0] None = 3'b001, Position = 3'b010, Force = 3'b100;
-  logic [2:0]             given;
-  logic                   known, live, gives, live_3, gives_3, mode_3;
+  logic                   gives, live_3, gives_3;
   logic [CommandBits:0]   raised, lowered;
   logic [CommandBits-1:0] goal, ceiling, floor, low, high, at_least, next;
   logic                   reaches, below;  // `rate` allows the maximum; the command is below its limit
-  assign known   = given == None || given == Position || given == Force;
-  assign live    = known ? given == (cfg_mode_i ? Force : Position) : !fault_o[4];
   assign gives   = live || !cfg_mode_i || cfg_override_i;
   assign raised  = (CommandBits + 1)'(out_command_o) + (CommandBits + 1)'(joined);
   assign lowered = (CommandBits + 1)'(out_command_o) - (CommandBits + 1)'(cfg_decay_i);
@@ -250,25 +259,22 @@ module msn_grip #(
     reaches <= cfg_maximum_i <= ceiling;
     live_3  <= live;
     gives_3 <= gives;
-    mode_3  <= cfg_mode_i;
 
+    given       <= code(cfg_mode_i, go_3 ? gives_3 : live);
     out_valid_o <= go_3 && gives_3;
     if (go_3) begin
-      if (gives_3) begin
-        out_command_o <= next;
-        given         <= mode_3 ? Force : Position;
-      end
+      if (gives_3) out_command_o <= next;
       out_increment_o <= live_3 ? signed'({1'b0, next}) - signed'({1'b0, out_command_o}) : '0;
-      out_force_o     <= mode_3;
+      out_force_o     <= cfg_mode_i;
       faulty_o        <= faulty_2;
       fault_o         <= {!gives_3, cfg_minimum_i > cfg_maximum_i, gives_3 && reaches && !below,
                           any_sick, any_silent};
     end
-    if (rst_i) begin
+    if (rst) begin
       out_valid_o     <= 1'b0;
       out_increment_o <= '0;
       out_command_o   <= '0;
-      given           <= None;
+      given           <= code(cfg_mode_i, 1'b0);
       out_force_o     <= 1'b0;
       faulty_o        <= '0;
       fault_o         <= 5'b10000;

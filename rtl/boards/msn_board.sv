@@ -31,6 +31,9 @@ module msn_board (
   output logic                       slip_o,       // levels, for LEDs or pins
   output logic                       gross_o,
   output logic                       touched_o,
+`ifdef MSN_SLIP_PINS
+  output logic [`MSN_SLIP_PINS-1:0]  slip_each_o,  // of channel k, by its last decision
+`endif
   output logic                       pressed_o,
   output logic                       pwm_o         // of the grip reflex
 );
@@ -45,6 +48,8 @@ module msn_board (
 
   logic [Rows-1:0]       row;
   logic [Converters-1:0] cs_n, sclk, mosi, convst, reset;
+  msn_pkg::verdict_t     verdict;
+  msn_pkg::decision_t    decision;
   msn_core #(
     `MSN_PARAMETERS
   ) u_core (
@@ -55,7 +60,7 @@ module msn_board (
     .actuator_moving_i(moving_i),
     .in_valid_i(1'b0), .in_ready_o(), .in_data_i('0), .in_id_i('0), .in_last_i(1'b0),
     .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o(), .grip_word_o(), .pwm_o,
-    .verdict_o(), .decision_o(), .rx_i, .tx_o,
+    .verdict_o(verdict), .decision_o(decision), .rx_i, .tx_o,
     .bus_valid_i(1'b0), .bus_write_i(1'b0), .bus_address_i('0), .bus_wdata_i('0), .bus_strobe_i('0),
     .bus_done_o(), .bus_error_o(), .bus_rdata_o(),
     .out_valid_o(), .out_ready_i(1'b1), .out_data_o(), .out_last_o()
@@ -85,7 +90,18 @@ module msn_board (
     assign row_o = {!driven_q, number_q};
   end
 
+`ifdef MSN_SLIP_PINS
+  always_ff @(posedge clk_i) begin
+    for (int unsigned k = 0; k < `MSN_SLIP_PINS; k++) begin
+      if (verdict.valid && decision.id == 16'(k)) begin
+        slip_each_o[k] <= decision.state == msn_pkg::Incipient || decision.state == msn_pkg::Gross;
+      end
+    end
+    if (rst) slip_each_o <= '0;
+  end
+`endif
+
   logic unused;
-  assign unused = ^{cs_n, sclk, mosi, convst, reset};
+  assign unused = ^{cs_n, sclk, mosi, convst, reset, verdict, decision};
 
 endmodule

@@ -5,7 +5,8 @@
 //
 //   F = clip(floor((raw - offset) gain / 2^GainShift + 1/2), 0, 65535)
 //
-// Lanes columns a beat, row by row. Masked taxels give 0; until a calibration is swapped in, all taxels give 0.
+// Lanes columns a beat, row by row. Masked taxels give 0. Until a calibration is swapped in after a reset, all have
+// offset 0 and the gain preset, so a host's writes are never lost and forces need no host.
 // Offset = 0: the offsets are already subtracted (msn_tare). The result is rounded only once. Beats as
 // msn_frame_marker gives them; their marks travel with them.
 //
@@ -56,7 +57,7 @@ module msn_calibrate #(
     $fatal(1, "msn_calibrate: GainShift = %0d must lie in 1 .. %0d", GainShift, GainBits);
   end
 
-  logic                      accept, loaded;
+  logic                      accept;
   logic [2:0]                marks_in, marks_out;
   logic [DataBits-1:0]       offset;
   logic [Lanes*GainBits-1:0] gain;
@@ -72,8 +73,7 @@ module msn_calibrate #(
       .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .Offset(Offset)
     ) u_table (
       .clk_i, .rst_i, .cfg_i, .status_o,
-      .take_i(accept), .last_i(in_last_i), .out_valid_o(word_valid), .out_offset_o(offset), .out_gain_o(gain),
-      .out_loaded_o(loaded)
+      .take_i(accept), .last_i(in_last_i), .out_valid_o(word_valid), .out_offset_o(offset), .out_gain_o(gain)
     );
 
     logic [2:1]         valid;
@@ -102,7 +102,7 @@ module msn_calibrate #(
       logic signed [DiffBits+15:0]  product;  // two clocks later: the multiplier's own registers
       assign raw        = signed'(in_data_i[SampleBits*k+:SampleBits]);
       assign zero       = signed'(offset[SampleBits*k+:SampleBits]);
-      assign difference = in_mask_i[k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
+      assign difference = in_mask_i[k] ? '0 : DiffBits'(raw) - DiffBits'(zero);
 
       msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_product (
         .clk_i, .enable_i(move), .a_i(difference), .b_i(gain[16*k+:16]), .y_o(product)
@@ -124,22 +124,26 @@ module msn_calibrate #(
     ) u_table (
       .clk_i, .rst_i, .cfg_i, .status_o,
       .take_i(accept), .fits_i(in_fits_i), .row_last_i(in_row_last_i), .last_i(in_last_i),
-      .out_offset_o(offset), .out_gain_o(gain), .out_loaded_o(loaded)
+      .out_offset_o(offset), .out_gain_o(gain)
     );
 
-    logic unused_room, unused_half, gone;
+    // Where no beat is under way and none has been for the fifo's 3 clocks, none is in the fifo either: so what an upset
+    // changes of the credit lasts until the block is empty, and a block that takes no beat becomes empty.
+    localparam int unsigned Inside = Stages + 3;
+    logic unused_room, unused_half, gone, empty;
     logic [5:0]              owed;  // fifo places in use or promised, as of up to two clocks ago
-    logic [Stages:1]         valid;
+    logic [Inside:1]         valid;
+    assign empty = valid == '0 && !out_valid_o;
     logic [3*Stages-1:0]     marks;
     logic [6*DataBits-1:0]   data;
     logic [Stages*Lanes-1:0] mask;
     always_ff @(posedge clk_i) begin
-      valid      <= {valid[Stages-1:1], accept};
+      valid      <= {valid[Inside-1:1], accept};
       marks      <= {marks[3*(Stages-1)-1:0], marks_in};
       data       <= {data[5*DataBits-1:0], in_data_i};
       mask       <= {mask[(Stages-1)*Lanes-1:0], in_mask_i};
       gone       <= out_valid_o && out_ready_i;
-      owed       <= owed + 6'(valid[1]) - 6'(gone);
+      owed       <= empty ? '0 : owed + 6'(valid[1]) - 6'(gone);
       in_ready_o <= owed < 6'(Places - 3);
       if (rst_i) begin
         valid      <= '0;
@@ -162,7 +166,7 @@ module msn_calibrate #(
 
       // Two products of 18 x 16 bits, one multiplier each, with an extra register before and after it.
       always_ff @(posedge clk_i) begin
-        difference <= mask[5*Lanes+k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
+        difference <= mask[5*Lanes+k] ? '0 : DiffBits'(raw) - DiffBits'(zero);
         factor     <= gain[32*k+:32];
         back_low   <= low;
         back_high  <= high;

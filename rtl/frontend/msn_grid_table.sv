@@ -5,7 +5,9 @@
 //   offset = row's + column's    gain = row's * column's, exact, 32 bits
 //
 // A write goes to the bank that is not in use; swap exchanges the two before the next frame's first beat, never
-// inside a frame. A word is a beat of a row, written for every lane set in write_lanes, or, with write_row, a row. Before the first swap out_loaded_o is low. Offsets are signed, gains unsigned.
+// inside a frame. A word is a beat of a row, written for every lane set in write_lanes, or, with write_row, a row; a
+// write to one that does not exist is ignored, as it would change another with the same low address bits. Before the
+// first swap after a reset every offset is 0, a row's gain 4096 and a column's preset. Offsets are signed, gains unsigned.
 //
 //   clock  1        2     3, 4      5 .. 6
 //          address  read  register  product, sum
@@ -34,8 +36,7 @@ module msn_grid_table #(
   input  logic                        row_last_i,
   input  logic                        last_i,
   output logic [Lanes*SampleBits-1:0] out_offset_o,
-  output logic [Lanes*32-1:0]         out_gain_o,
-  output logic                        out_loaded_o
+  output logic [Lanes*32-1:0]         out_gain_o
 );
 
   if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
@@ -59,15 +60,16 @@ module msn_grid_table #(
   // last: what comes next is at place 0 either way.
   logic [BeatBits-1:0] beat;
   logic [RowBits-1:0]  row;
-  logic                bank, midway, swap, restart, swapping, write_row;
+  logic                bank, midway, swap, restart, swapping, write_row, there;
   logic [Lanes-1:0]    write;
   assign status_o  = swapping;
-  assign write_row = cfg_i.write_written && cfg_i.write_row;
-  assign write     = (cfg_i.write_written && !cfg_i.write_row) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign there     = {1'b0, cfg_i.word} < (cfg_i.write_row ? 21'(Rows) : 21'(RowBeats));
+  assign write_row = cfg_i.write_written && cfg_i.write_row && there;
+  assign write     = (cfg_i.write_written && !cfg_i.write_row && there) ? cfg_i.write_lanes[Lanes-1:0] : '0;
   assign restart   = last_i || !fits_i;
   assign swap      = swapping && !midway;
 
-  logic [5:1]        loaded;
+  logic [3:1]        loaded;  // with the words of this clock of the pipeline
   logic [RowBits:0]  row_at;
   logic [BeatBits:0] beat_at;
   always_ff @(posedge clk_i) begin
@@ -80,8 +82,7 @@ module msn_grid_table #(
     swapping       <= cfg_i.swap || (swapping && !swap);
     row_at         <= {bank ^ swap, row};
     beat_at        <= {bank ^ swap, beat};
-    loaded         <= {loaded[4:1], loaded[1] || swap};
-    out_loaded_o   <= loaded[5];
+    loaded         <= {loaded[2:1], loaded[1] || swap};
     if (rst_i) begin
       {beat, row, midway, bank, swapping} <= '0;
       loaded <= '0;
@@ -105,7 +106,7 @@ module msn_grid_table #(
     if (write_row) rows[{!bank, RowBits'(cfg_i.word)}] <= entry;
     row_read <= rows[row_at];
     row_near <= row_read;
-    of_row   <= row_near;
+    of_row   <= loaded[3] ? row_near : PartBits'(16'd4096);
   end
 
   // Gains and offsets in separate memories: their data go to different places, and the first register after a
@@ -124,7 +125,7 @@ module msn_grid_table #(
       if (write[k]) gains[{!bank, BeatBits'(cfg_i.word)}] <= cfg_i.gain;
       gain_read   <= gains[beat_at];
       gain_near   <= gain_read;
-      gain_column <= gain_near;
+      gain_column <= loaded[3] ? gain_near : cfg_i.preset;
     end
 
     if (Offset) begin : gen_offset
@@ -135,7 +136,7 @@ module msn_grid_table #(
         if (write[k]) offsets[{!bank, BeatBits'(cfg_i.word)}] <= entry_offset;
         offset_read   <= offsets[beat_at];
         offset_near   <= offset_read;
-        offset_column <= signed'(offset_near);
+        offset_column <= loaded[3] ? signed'(offset_near) : '0;
         column_offset <= offset_column;
         row_offset    <= signed'(of_row[16+:OffsetBits]);
         out_offset_o[SampleBits*k+:SampleBits] <= SampleBits'(row_offset) + SampleBits'(column_offset);

@@ -161,9 +161,13 @@ module msn_scan_buffer #(
   if (Sorts) begin : gen_all
     assign room_o = 1'b1;
   end else begin : gen_part
+    // Set to 0 when the reader waits for the writer: after an upset it could hold the scan, and so itself, for ever.
     logic [AddressBits:0] used_q;
+    logic                 empty;
+    assign empty = !store && !(open_q && stay_there);
     always_ff @(posedge clk_i) begin
-      used_q <= taken_o ? (AddressBits+1)'(1) : used_q + (AddressBits+1)'(store) - (AddressBits+1)'(step);
+      used_q <= taken_o ? (AddressBits+1)'(1) :
+                empty ? '0 : used_q + (AddressBits+1)'(store) - (AddressBits+1)'(step);
       room_o <= 32'(used_q) + 2 * Burst < Depth;
       if (rst_i) begin
         used_q <= '0;

@@ -8,8 +8,10 @@
 // Frames start every cfg_period_i clocks (0: back to back) and convert every group of every row, row by row or, with
 // cfg_interleave_i, rows 0, 2, 4 .. and then 1, 3, 5 ... Finding the next place takes two clocks after a switch, so
 // after its last switch a frame counts as under way until then.
-// Settle and period are read while off, the order in the clock of a frame's first switch. cfg_enable_i low: off after
-// the frame.   Model: model/meissner/twins/frontend/scan_plan.py
+// Settle and period are taken in every clock in which no frame is under way, from the clock after its last trigger on,
+// and no switch is due: a change up to a clock before a frame's first switch is in force for this frame, and a shorter
+// period ends a long wait. The order is that of the first switch's clock. cfg_enable_i low: off after the frame.
+// Model: model/meissner/twins/frontend/scan_plan.py
 // Error: none.
 
 module msn_scan_plan #(
@@ -79,40 +81,48 @@ module msn_scan_plan #(
     $fatal(1, "msn_scan_plan: PeriodBits = %0d must lie in 1 .. 32", PeriodBits);
   end
 
-  localparam int unsigned CountBits = msn_pkg::index_width(
-      ((1 << SettleBits) > Cycle + Hold) ? (1 << SettleBits) : Cycle + Hold) + 1;
+  localparam int unsigned CountBits = SettleBits < 2 ? 2 : SettleBits;
+  // Clocks from a trigger until anything may follow, and those of them that a settle time can save.
+  localparam int unsigned Full      = (Cycle - 1 > Hold) ? Cycle - 1 : Hold;
+  localparam int unsigned Saved     = Full - Hold;
+  localparam int unsigned RestBits  = msn_pkg::index_width(Full + 1);
 
   typedef enum logic [1:0] {
-    Off,     // reads the settings; four clocks from enable to Free, which the values derived from them need
-    Free,    // may switch
-    Settle,
-    Busy     // the lines may not change, or the next trigger would come too early
+    Off,     // four clocks from enable to Free
+    Free,    // may switch if open_q
+    Settle
   } state_e;
 
   state_e                state_q;
   logic [CountBits-1:0]  count_q;
   logic                  none_q;    // count_q is 0: compared a clock ahead
   logic                  active_q;  // a frame has conversions left
-  assign idle_o = state_q == Off || (state_q == Free && !switch_o);
+  logic                  open_q;    // gap clocks have passed since the trigger, with the settle time in force
+  logic                  due;       // a switch, if there is room
+  assign idle_o = state_q == Off || (state_q == Free && open_q && !switch_o);
 
-  // Settings read while off, and values derived from them.
+  // Settings in force. The rest after a trigger is compared with the settle time that follows it, in the clock in which
+  // that is taken: triggers are never less than Cycle clocks apart, whatever changes.
   logic [SettleBits-1:0] settle_q;
-  logic [CountBits-1:0]  gap_q, rest_q;  // clocks from trigger to Free: in all, and left when Busy begins
-  logic [PeriodBits-1:0] period_q;
-  logic                  timed_q, period_one_q, at_once_q, rest_none_q;
+  logic [PeriodBits-1:0] last_q;           // period - 1
+  logic                  timed_q, at_once_q, take;
+  logic [RestBits-1:0]   rest_q;           // of Full
+  logic [RestBits-1:0]   most_q, most;     // open from this rest on, and one: settle + 1, at most Saved + 1
+  assign take = !active_q && state_q != Settle && !due;
+  assign most = !take ? most_q : (32'(cfg_settle_i) + 1 > Saved) ? RestBits'(Saved + 1) :
+                RestBits'(cfg_settle_i) + 1'b1;
   always_ff @(posedge clk_i) begin
-    if (state_q == Off && count_q == CountBits'(3)) begin
-      settle_q <= cfg_settle_i;
-      period_q <= cfg_period_i;
+    if (take) begin
+      settle_q  <= cfg_settle_i;
+      at_once_q <= cfg_settle_i == '0;
+      last_q    <= cfg_period_i - 1'b1;
+      timed_q   <= cfg_period_i != '0;
     end
-    gap_q  <= (CountBits'(settle_q) + CountBits'(Hold + 1) >= CountBits'(Cycle)) ? CountBits'(Hold)
-              : CountBits'(Cycle - 1) - CountBits'(settle_q);
-    rest_q <= gap_q - CountBits'(2);
-
-    rest_none_q  <= gap_q == CountBits'(2);
-    at_once_q    <= settle_q == '0;
-    timed_q      <= period_q != '0;
-    period_one_q <= period_q == PeriodBits'(1);
+    most_q <= most;
+    open_q <= !trigger_o && rest_q <= most;
+    if (trigger_o)         rest_q <= RestBits'(Full - 1);
+    else if (rest_q != '0) rest_q <= rest_q - 1'b1;
+    if (rst_i) {rest_q, open_q} <= {RestBits'(0), 1'b1};
   end
 
   // High in the clock in which Settle has counted down; computed a clock ahead, for timing.
@@ -133,16 +143,9 @@ module msn_scan_plan #(
         count_q <= (!cfg_enable_i && !active_q) ? CountBits'(3) : CountBits'(settle_q);
         none_q  <= (cfg_enable_i || active_q) && at_once_q;
         if (switch_o) state_q <= Settle;
-        else if (!cfg_enable_i && !active_q) state_q <= Off;
+        else if (open_q && !cfg_enable_i && !active_q) state_q <= Off;
       end
-      Settle: begin
-        if (trigger_o) begin
-          state_q <= Busy;
-          count_q <= rest_q;
-          none_q  <= rest_none_q;
-        end
-      end
-      default: if (none_q) state_q <= Free;
+      default: if (trigger_o) state_q <= Free;
     endcase
     if (rst_i) begin
       state_q <= Off;
@@ -153,16 +156,21 @@ module msn_scan_plan #(
 
   // A frame starts at its tick, or as soon as it can. Where state and enable are checked anyway, zero_q alone stands
   // for the tick, and the counters count a clock later: shorter paths to switch_o and to the carry chains.
-  logic [PeriodBits-1:0] left_q;
-  logic                  zero_q;  // left_q is 0: compared a clock ahead
-  logic                  tick, want_q, due, late_q, waits_q;
+  // since_q counts up from a tick, back to back from a frame's start: after a change of the period, or of a bit of it by
+  // an upset, the next tick is at most a period away.
+  logic [PeriodBits-1:0] since_q;
+  logic                  zero_q;  // since_q is the period, or more: compared a clock ahead
+  logic                  tick, want_q, late_q, waits_q;
+  logic                  first_q, find_q;  // the last switch was its frame's first; it was in the clock before
   assign tick     = state_q != Off && cfg_enable_i && timed_q && zero_q;
-  assign due      = state_q == Free && (active_q || (cfg_enable_i && (!timed_q || want_q || zero_q)));
+  assign due      = state_q == Free && open_q && (active_q || (cfg_enable_i && (!timed_q || want_q || zero_q)));
   assign switch_o = due && room_i;
   always_ff @(posedge clk_i) begin
-    if (state_q == Off || !cfg_enable_i) left_q <= '0;
-    else                                 left_q <= (zero_q ? period_q : left_q) - 1'b1;
-    zero_q <= state_q == Off || !cfg_enable_i || (zero_q ? period_one_q : left_q == PeriodBits'(1));
+    if (state_q == Off || !cfg_enable_i)     since_q <= '0;
+    else if (zero_q)                         since_q <= PeriodBits'(1);
+    else if (find_q && first_q && !timed_q)  since_q <= PeriodBits'(2);
+    else                                     since_q <= since_q + 1'b1;
+    zero_q <= state_q == Off || !cfg_enable_i || (zero_q ? last_q == '0 : since_q >= last_q);
     if (tick && !active_q) want_q <= 1'b1;
     if (switch_o) want_q <= 1'b0;
     late_q    <= tick && (active_q || want_q);
@@ -181,7 +189,7 @@ module msn_scan_plan #(
   logic [RowBits-1:0]   row_q;
   logic [RowBits:0]     row_next_q;
   logic [GroupBits-1:0] group_q;
-  logic                 interleave_q, find_q, found_q, row_ends_q;
+  logic                 interleave_q, found_q, row_ends_q;
   assign switch_row_o   = row_q;
   assign switch_group_o = group_q;
   always_ff @(posedge clk_i) begin
@@ -214,7 +222,6 @@ module msn_scan_plan #(
   end
 
   // At the trigger the place switched to becomes the place converted.
-  logic                 first_q;
   logic [GroupBits-1:0] place_q;
   always_ff @(posedge clk_i) begin
     if (switch_o) begin

@@ -3,8 +3,9 @@
 // Offset and gain of the next beat's taxels, read ahead from two banks: one in use, the other for writes.
 //
 // A write goes to the bank that is not in use; swap exchanges the two before the next frame's first beat, never
-// inside a frame. A word is a beat, written for every lane set in write_lanes. Before the first swap out_loaded_o is
-// low. Offsets are signed, gains unsigned.
+// inside a frame. A word is a beat, written for every lane set in write_lanes; a write to one that does not exist is
+// ignored, as it would change another with the same low address bits. Before the first swap after a reset every offset
+// is 0 and every gain is preset. Offsets are signed, gains unsigned.
 //
 // A word a clock; none for 3 clocks after a swap and for 4 after a damaged frame.
 // Model: model/meissner/twins/frontend/calibrate.py
@@ -28,8 +29,7 @@ module msn_taxel_table #(
   input  logic                         last_i,         // with it: the frame's last
   output logic                         out_valid_o,
   output logic [Lanes*SampleBits-1:0]  out_offset_o,
-  output logic [Lanes*16-1:0]          out_gain_o,
-  output logic                         out_loaded_o
+  output logic [Lanes*16-1:0]          out_gain_o
 );
 
   if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
@@ -47,7 +47,7 @@ module msn_taxel_table #(
 
   // Banks change only between frames. Words read ahead from the old bank are discarded, and no beat is taken
   // until the new bank's first word is valid.
-  logic bank, midway, stale, swap, restart, bank_next, at_end, swapping;
+  logic bank, midway, stale, swap, restart, bank_next, at_end, swapping, loaded;
   assign status_o  = swapping;
   assign swap      = swapping && !midway;
   assign restart   = rst_i || stale || swap;
@@ -58,13 +58,13 @@ module msn_taxel_table #(
     stale          <= take_i && last_i && !at_end;  // of a damaged frame; a clock later: take_i is known late
     bank           <= bank_next;
     swapping       <= cfg_i.swap || (swapping && !swap);
-    out_loaded_o   <= out_loaded_o || swap;
+    loaded         <= loaded || swap;
     if (rst_i) begin
       midway         <= 1'b0;
       stale          <= 1'b0;
       bank           <= 1'b0;
       swapping       <= 1'b0;
-      out_loaded_o   <= 1'b0;
+      loaded         <= 1'b0;
     end
   end
 
@@ -78,8 +78,10 @@ module msn_taxel_table #(
   end else begin : gen_entry_gain
     assign entry = cfg_i.gain;
   end
+  logic             there;
   logic [Lanes-1:0] write;
-  assign write = (cfg_i.write_written && !cfg_i.write_row) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign there = {1'b0, cfg_i.word} < 21'(Words);
+  assign write = (cfg_i.write_written && !cfg_i.write_row && there) ? cfg_i.write_lanes[Lanes-1:0] : '0;
   logic unused_cfg;
   assign unused_cfg  = ^cfg_i;
   assign out_valid_o = valid && !swap && !stale;
@@ -93,9 +95,9 @@ module msn_taxel_table #(
   );
 
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
-    assign out_gain_o[16*k+:16] = word[PartBits*k+:16];
+    assign out_gain_o[16*k+:16] = loaded ? word[PartBits*k+:16] : cfg_i.preset;
     if (Offset) begin : gen_offset
-      assign out_offset_o[SampleBits*k+:SampleBits] = word[PartBits*k+16+:SampleBits];
+      assign out_offset_o[SampleBits*k+:SampleBits] = loaded ? word[PartBits*k+16+:SampleBits] : '0;
     end else begin : gen_none
       assign out_offset_o[SampleBits*k+:SampleBits] = '0;
     end
@@ -103,7 +105,7 @@ module msn_taxel_table #(
 
   // The bank read is never the one written, except before the first swap, when nothing is loaded.
   msn_check u_word_is_defined (
-    .clk_i, .rst_i, .wrong_i(!rst_i && out_loaded_o && take_i && spoilt)
+    .clk_i, .rst_i, .wrong_i(!rst_i && loaded && take_i && spoilt)
   );
 
 endmodule

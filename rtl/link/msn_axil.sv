@@ -3,9 +3,11 @@
 // AXI4-Lite to the register bus (msn_registers): one access at a time, answered once; if a write and a read both
 // wait, they take turns. An access that the bus reports as an error answers SLVERR, all others OKAY. The low two
 // bits of an address are ignored: WSTRB selects the bytes of the word.
+// No READY depends on a VALID of the same clock, and all are low in reset: address and data are taken together, a clock
+// after both are there.
 //
-//   clock  0                   2                    3
-//          address (and data)  bus_done_i           BVALID or RVALID, until taken
+//   clock  0                   1                3           4
+//          address (and data)  READY, the bus   bus_done_i  BVALID or RVALID, until taken
 //
 // Model: model/meissner/twins/link/axil.py
 
@@ -43,51 +45,49 @@ module msn_axil (
   input  logic [31:0] bus_rdata_i
 );
 
-  // No access is accepted before the answer to the last is taken: the bus holds at most one. `busy` is derived from
+  // No access is accepted before the answer to the last is taken: the bus holds at most one. `free` is derived from
   // the access under way; a separate flag would stay wrong after an upset.
+  logic       accept, writes;  // an access in this clock; it, or the last one, is a write
   logic [1:0] asked;
-  logic busy, write_pending, read_turn, write_waits, take_write, take_read;
-  assign busy        = |asked || s_axil_bvalid || s_axil_rvalid;
+  logic       free, taken, write_waits, some_waits;
+  assign taken       = (s_axil_bvalid && s_axil_bready) || (s_axil_rvalid && s_axil_rready);
+  assign free        = !accept && asked == '0 && (taken || !(s_axil_bvalid || s_axil_rvalid));
   assign write_waits = s_axil_awvalid && s_axil_wvalid;
-  assign take_write  = write_waits && !busy && !(s_axil_arvalid && read_turn);
-  assign take_read   = s_axil_arvalid && !busy && !take_write;
+  assign some_waits  = write_waits || s_axil_arvalid;
 
-  assign s_axil_awready = take_write;
-  assign s_axil_wready  = take_write;
-  assign s_axil_arready = take_read;
+  assign s_axil_awready = accept && writes && !rst_i;
+  assign s_axil_wready  = s_axil_awready;
+  assign s_axil_arready = accept && !writes && !rst_i;
 
-  assign bus_valid_o   = take_write || take_read;
-  assign bus_write_o   = take_write;
-  assign bus_address_o = {take_write ? s_axil_awaddr[11:2] : s_axil_araddr[11:2], 2'b00};
-  assign bus_wdata_o    = s_axil_wdata;
+  // A request that is withdrawn, which AXI forbids, is no access.
+  assign bus_valid_o   = (s_axil_awready && write_waits) || (s_axil_arready && s_axil_arvalid);
+  assign bus_write_o   = writes;
+  assign bus_address_o = {writes ? s_axil_awaddr[11:2] : s_axil_araddr[11:2], 2'b00};
+  assign bus_wdata_o   = s_axil_wdata;
   assign bus_strobe_o  = s_axil_wstrb;
-
-  logic taken;
-  assign taken = (s_axil_bvalid && s_axil_bready) || (s_axil_rvalid && s_axil_rready);
 
   logic [1:0] response;
   assign s_axil_bresp = response;
   assign s_axil_rresp = response;
 
   always_ff @(posedge clk_i) begin
+    accept <= free && some_waits;
+    if (free && some_waits) writes <= write_waits && !(s_axil_arvalid && writes);
     asked <= {asked[0], bus_valid_o};
-    if (bus_valid_o) begin
-      write_pending <= take_write;
-      read_turn     <= take_write;
-    end
     if (taken) begin
       s_axil_bvalid <= 1'b0;
       s_axil_rvalid <= 1'b0;
     end
     if (bus_done_i) begin
-      s_axil_bvalid <= write_pending;
-      s_axil_rvalid <= !write_pending;
+      s_axil_bvalid <= writes;
+      s_axil_rvalid <= !writes;
       response      <= {bus_error_i, 1'b0};
       s_axil_rdata  <= bus_rdata_i;
     end
     if (rst_i) begin
+      accept        <= 1'b0;
       asked         <= '0;
-      read_turn     <= 1'b0;
+      writes        <= 1'b0;
       s_axil_bvalid <= 1'b0;
       s_axil_rvalid <= 1'b0;
     end

@@ -2,7 +2,8 @@
 //
 // The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an
 // access is an error, and changes nothing, at an address without a register in this build, at one that is no
-// multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes.
+// multiple of four, and for a write where all is read-only, now (WhileOff) or always. bus_strobe_i: the bytes that a
+// write changes; one that changes no byte of a field has no effect on it.
 // A setting that takes effect at a frame's start has two copies: a read sees what was written, the core what was
 // committed between two frames, commit_i, all settings at once. While core.hold is 1 nothing is committed.
 // The fields are those of msn_registers_pkg's table, which is made from rtl/registers.rdl.
@@ -104,6 +105,7 @@ module msn_registers #(
     localparam int unsigned Low   = 32'(Row.low);
     localparam int unsigned Width = 32'(Row.width);
     localparam int unsigned Place = 32'(Row.place);
+    localparam int unsigned Lock  = 32'(Row.lock);
     localparam int unsigned Bits  = Row.held == msn_registers_pkg::Detail ? DetailBits :
                                     Row.held == msn_registers_pkg::Timer  ? TimerBits :
                                     Row.held == msn_registers_pkg::Load   ? LoadBits :
@@ -112,8 +114,16 @@ module msn_registers #(
     localparam bit Waits = On && Row.kind == msn_registers_pkg::Setting &&
                            Row.applies == msn_registers_pkg::AtFrame;
     assign here[n]   = On && word == Row.word;
-    assign able[n]   = Row.kind == msn_registers_pkg::Setting || Row.kind == msn_registers_pkg::Command;
-    assign delays[n] = Waits && write && here[n];
+    if (Row.kind == msn_registers_pkg::Command) begin : gen_able
+      assign able[n] = 1'b1;
+    end else if (Row.kind != msn_registers_pkg::Setting || Row.applies == msn_registers_pkg::AtReset) begin : gen_never
+      assign able[n] = 1'b0;
+    end else if (Row.applies == msn_registers_pkg::WhileOff) begin : gen_while_off
+      assign able[n] = !cfg[Lock];
+    end else begin : gen_always
+      assign able[n] = 1'b1;
+    end
+    assign delays[n] = Waits && write && here[n] && mask[Low+:Width] != '0;
 
     if (Row.kind == msn_registers_pkg::Setting) begin : gen_setting
       localparam logic [Width-1:0] Reset = Resets[Row.value+:Width];
@@ -126,7 +136,7 @@ module msn_registers #(
       end
       if (On) begin : gen_on
         always_ff @(posedge clk_i) begin
-          if (write && here[n]) begin
+          if (write && here[n] && able[n]) begin
             written[Row.value+:Width] <= (bits & ~mask[Low+:Width]) |
                                          (bus_wdata_i[Low+:Width] & mask[Low+:Width]);
           end
@@ -151,7 +161,7 @@ module msn_registers #(
       always_ff @(posedge clk_i) cfg[Place] <= !rst_i && write && here[n] && mask[Low] && bus_wdata_i[Low];
       assign told[32*n+:32] = '0;
     end else if (Row.kind == msn_registers_pkg::Strobe) begin : gen_strobe
-      always_ff @(posedge clk_i) cfg[Place] <= !rst_i && write && here[n];
+      always_ff @(posedge clk_i) cfg[Place] <= !rst_i && write && here[n] && mask[Low];
       assign told[32*n+:32] = '0;
     end else if (Row.kind == msn_registers_pkg::Status) begin : gen_status
       assign told[32*n+:32] = On ? 32'(status[Place+:Width]) << Low : '0;

@@ -4,7 +4,7 @@
 //
 //   skid ─ health ─ skid ─ tare, skid ─ calibrate ─ skid ─┬─ width_converter (Tap) ─ samples
 //                                                         └─ cop ─ x, y, load
-//   registers ─ calibration_preset ─ calibrate            health ─ health_report ─ reports
+//   health ─ health_report ─ reports
 //
 // Health = 0 or Tare = 0 leaves that stage out: its settings have no effect, its results are 0. With Tare samples are
 // one bit wider and the calibration has gains only: msn_tare has already subtracted each taxel's zero. Beats as
@@ -141,11 +141,12 @@ module msn_array_forces #(
     assign {checked_id, checked_marks}  = {seen_id, seen_marks};
   end
 
-  // The taxels' zeros subtracted. Preset gains are in use when `started` is high: the first tare can begin.
+  // The taxels' zeros subtracted. In the first clock after a reset `started` asks for the first tare.
   logic                        started, zeroed_valid, zeroed_ready;
   logic [Lanes*ZeroedBits-1:0] zeroed_data;
   logic [Lanes-1:0]            zeroed_mask;
   logic [2:0]                  zeroed_marks;
+  always_ff @(posedge clk_i) started <= rst_i;
   if (Tare) begin : gen_tare
     logic                        tared_valid, tared_ready;
     logic [Lanes*ZeroedBits-1:0] tared_data;
@@ -177,11 +178,6 @@ module msn_array_forces #(
   end
 
   // Forces. The blocks downstream stall the skid, so that no path of ready goes through the calibration.
-  msn_registers_pkg::calibrate_cfg_t gains;
-  msn_calibration_preset #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .RowColumn(RowColumn)) u_preset (
-    .clk_i, .rst_i, .in_i(cfg_i.calibrate), .out_o(gains), .done_o(started)
-  );
-
   logic                force_valid, force_ready, next_valid, next_ready, next_fits, next_row_last, next_last;
   logic [Lanes*16-1:0] force_data, next_data;
   logic [Lanes-1:0]    force_mask, next_mask;
@@ -191,7 +187,7 @@ module msn_array_forces #(
     .GainShift(GainShift), .Offset(!Tare)
   ) u_calibrate (
     .clk_i, .rst_i,
-    .cfg_i(gains), .status_o(calibrate),
+    .cfg_i(cfg_i.calibrate), .status_o(calibrate),
     .in_valid_i(zeroed_valid), .in_ready_o(zeroed_ready), .in_data_i(zeroed_data), .in_mask_i(zeroed_mask),
     .in_fits_i(zeroed_marks[2]), .in_row_last_i(zeroed_marks[1]), .in_last_i(zeroed_marks[0]),
     .out_valid_o(force_valid), .out_ready_i(force_ready), .out_data_o(force_data), .out_mask_o(force_mask),

@@ -7,7 +7,8 @@
 //
 // A sample is taken by both or by neither: while a channel's window is processed, its next sample waits. A window is
 // held if actuator_moving_i is high, cfg_i.hold = 1, or the reflex's command has changed in the last cfg_i.hold_cycles
-// control cycles, as the normal force may change then. cfg_i.enable = 0: all is in reset, and samples pass.
+// control cycles, as the normal force may change then; without a command (the reflex is off, or unarmed) it does not
+// change. cfg_i.enable = 0: all is in reset, and samples pass.
 // A window's report follows its last sample by 60 clocks; samples arrive one a clock at most, so do reports.
 // ShearSpeed = 0: no logic is built.
 // Model: model/meissner/twins/slip/shear_speeds.py
@@ -49,19 +50,20 @@ module msn_shear_speeds #(
 
   if (ShearSpeed) begin : gen_shear_speed
     localparam int unsigned LevelBits = 26;  // of the registers: 17 bits, windows of 64, Vi of 8
+    localparam int unsigned Unarmed   = 4;   // bit of the reflex's fault: it has given no command
     logic rst;
     assign rst = rst_i || !cfg_i.enable;
 
     // hold: the normal force may change.
     logic       moving, hold;
-    logic [7:0] cycles;  // control cycles for which the last change of the command still holds windows
+    logic [7:0] cycles;  // control cycles since the last change of the command, at most 255
     msn_sync u_moving (
       .clk_i, .in_data_i(actuator_moving_i), .out_data_o(moving)
     );
-    assign hold = moving || cfg_i.hold || cycles != '0;
+    assign hold = moving || cfg_i.hold || cycles < cfg_i.hold_cycles;
     always_ff @(posedge clk_i) begin
-      if (grip_valid_i) cycles <= grip_i.increment != '0 ? cfg_i.hold_cycles : cycles - 8'(cycles != '0);
-      if (rst) cycles <= '0;
+      if (grip_valid_i) cycles <= grip_i.increment != '0 ? '0 : cycles + 8'(cycles != '1);
+      if (rst || grip_i.fault[Unarmed]) cycles <= '1;
     end
 
     // Each sample goes to both paths together. Damaged frames are discarded, as in the slip path.

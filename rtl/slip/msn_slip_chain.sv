@@ -130,7 +130,8 @@ module msn_slip_chain #(
   always_ff @(posedge clk_i) offered <= !rst_i && out_valid_o && !out_ready_i;
   msn_slip_flags u_flags (
     .clk_i, .rst_i,
-    .in_valid_i(out_valid_o && !offered), .in_state_i(out_o.state), .in_last_i(out_o.last),
+    .in_valid_i(out_valid_o && !offered), .in_state_i(out_o.state),
+    .in_first_i(out_o.id == '0), .in_last_i(out_o.last),
     .slip_o, .gross_o, .touched_o
   );
 

@@ -20,6 +20,7 @@ QUIET |= {"speed_ok_i": 1, "speed_i": 0}
 PUTS = []  # functions that write the inputs of QUIET, in its order, and healthy_i
 HAND = {"period": 20, "step": 7, "speed_gain": 0, "decay": 3, "minimum": 30, "maximum": 100, "rate": 11}
 HAND |= {"watchdog": 4, "rule": 0, "mode": 0, "immediate": 0, "override": 0, "override_value": 0, "boost": 0}
+RESET = {"word": 0, "increment": 0, "command": 0, "fault": 16, "faulty": 0}
 
 
 def sizes(dut):
@@ -117,7 +118,7 @@ async def matches_the_loop(dut, rule, mode, immediate):
     draw = random.Random(bench.SEED * 8 + 4 * rule + 2 * mode + immediate)
     ids, top_speed = 1 << len(dut.over_id_i), 2 ** len(dut.speed_i) - 1
     kinds = {"rule": rule, "mode": mode, "immediate": immediate}
-    feed, seen, started = stimulus(draw, fingers, ids, top_speed), set(), False
+    feed, seen, started, turns = stimulus(draw, fingers, ids, top_speed), set(), False, 0
     for _ in range(30):
         settings = settings_at_random(draw, dut, **kinds, override=draw.random() < (0.8 if mode else 0.2))
         if started:
@@ -127,18 +128,19 @@ async def matches_the_loop(dut, rule, mode, immediate):
             await begin(dut, **settings)
             started = True
         loop = GripLoop(fingers, bits, shift, **settings)
-        calm, due, shown = 0, {}, {"word": 0, "increment": 0, "command": 0, "fault": 16, "faulty": 0}
+        calm, due, shown = 0, {}, RESET
         for now in range(draw.choice([5, 250, 700])):
             decision, speed, healthy = next(feed)
             if loop.last_cycle < now - 5 and loop.in_period == 9 and draw.random() < 0.3:
                 calm = now + 6
-                changed = settings_at_random(draw, dut, **kinds, period=loop.period)
-                if draw.random() < 0.2:
-                    changed["mode"] = 1 - loop.settings["mode"]
+                changed = settings_at_random(draw, dut, **kinds, period=loop.period) | {"mode": loop.mode}
                 keep = draw.sample(sorted(changed), 8)
                 loop.settings |= {name: changed[name] for name in keep}
                 drive(dut, **loop.settings)
             decision = None if now < calm else decision
+            if turn := draw.random() < 0.008:  # in any clock; often there and back before a command
+                loop.settings["mode"] ^= 1
+                drive(dut, mode=loop.mode)
             ended = loop.clock(decision, speed, healthy)
             if ended:
                 due[now + LATENCY] = ended
@@ -149,6 +151,9 @@ async def matches_the_loop(dut, rule, mode, immediate):
                 seen.add((shown["fault"], (shown["increment"] > 0) - (shown["increment"] < 0)))
             got = await clock(dut, decision, speed, healthy)
             assert got == shown | {"valid": valid}, f"clock {now} with {loop.settings}"
+            if turn:
+                turns, due, shown = turns + 1, {}, RESET
+    assert turns > 20
     assert {fault & 1 for fault, _ in seen} == {fault >> 1 & 1 for fault, _ in seen} == {0, 1}
     assert {fault >> 2 & 1 for fault, _ in seen} == {fault >> 3 & 1 for fault, _ in seen} == {0, 1}
     assert {sign for _, sign in seen} == {-1, 0, 1}
@@ -212,14 +217,46 @@ async def four_clocks_from_a_decision_to_its_command(dut):
     assert commands == {19 + 4: 0, 27 + 4: 7, 59 + 4: 0, 60 + 5: 7, 80 + 4: 7}
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-async def a_long_period_has_all_its_clocks(dut):
-    """The first command comes as with short periods, three clocks after the first period's last clock."""
-    length = min(9000, (1 << len(dut.cfg_period_i)) - 1)
-    await begin(dut, **HAND | {"period": length})
-    for period in (1, 2):
-        await bench.clocks(dut, length + 2 if period == 1 else length - 2)
-        assert [(await clock(dut))["valid"] for _ in range(2)] == [0, 1], period
+async def at(dut, clock):
+    """The outputs before ``clock`` and in it, counted from the reset that has just ended."""
+    await bench.clocks(dut, clock - 1)
+    found = []
+    for _ in range(2):
+        await bench.ReadOnly()
+        found.append(outputs(dut))
+        await bench.RisingEdge(dut.clk_i)
+    return found
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_period_has_all_its_clocks(dut):
+    """The first command comes three clocks after the first period's last clock. A long period is waited for
+    from 40 clocks before its end on."""
+    await begin(dut, **HAND)
+    bits = len(dut.cfg_period_i)
+    top = (1 << bits) - 1
+    for period in [1 << bit for bit in range(4, bits)] + [top, top & 0x5A5A5A, top & 0xA5A5A5]:
+        dut.cfg_period_i.value = period
+        await bench.reset(dut)
+        skipped = max(0, period - 10_000)
+        if skipped:
+            await bench.clocks(dut, 3)
+            dut.clocks.value = 3 + skipped
+        before, after = await at(dut, period + 3 - skipped - (3 if skipped else 0))
+        assert (before["valid"], after["valid"]) == (0, 1), period
+
+
+@bench.applies(lambda dut: len(dut.cfg_watchdog_i) == 16 and sizes(dut)[0] == 2)
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def a_watchdog_waits_for_all_its_cycles(dut):
+    """Nobody reports: the fault comes with exactly so many cycles of 16 clocks."""
+    await begin(dut, **HAND)
+    for watchdog in [1 << bit for bit in range(1, 16)] + [65535, 0x5A5A, 4097]:
+        drive(dut, period=16, watchdog=watchdog)
+        await bench.reset(dut)
+        before, after = await at(dut, 16 * watchdog + 3)
+        assert (before["fault"], after["fault"]) == (0, 1), watchdog
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -428,9 +465,7 @@ async def a_reset_in_a_grip_moves_nothing(dut):
     await cycles(dut, 5, over=[0])
     await bench.reset(dut)
     await bench.ReadOnly()
-    assert outputs(dut) == dict.fromkeys(("valid", "command", "word", "increment", "faulty"), 0) | {
-        "fault": 16
-    }
+    assert outputs(dut) == RESET | {"valid": 0}
     await bench.RisingEdge(dut.clk_i)
     await bench.clocks(dut, 19)
     found, got = await cycles(dut, 2, over=[0])
@@ -452,11 +487,33 @@ async def a_reset_in_a_grip_moves_nothing(dut):
     await bench.ReadOnly()
     assert outputs(dut)["word"] == 88  # limited by the rate, now that there is a command
     await bench.RisingEdge(dut.clk_i)
-    drive(dut, override=0, mode=0)  # the command has another meaning: from the minimum again
-    await bench.clocks(dut, 20)
-    await bench.ReadOnly()
-    assert (outputs(dut)["increment"], outputs(dut)["word"], outputs(dut)["command"]) == (0, 0, 30)
-    await bench.RisingEdge(dut.clk_i)
+    for mode in (0, 1, 0):  # another mode is a reset, also without a command in between
+        drive(dut, override=0, mode=mode)
+        await clock(dut)
+        await bench.ReadOnly()
+        assert outputs(dut) == RESET | {"valid": 0}
+        await bench.RisingEdge(dut.clk_i)
+        await bench.clocks(dut, 19)
+        found, got = await cycles(dut, 3, over=[0])
+        assert (found, got["command"], got["fault"]) == (([0, 0, 0], 0, 16) if mode else ([0, 7, 7], 44, 0))
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(before=[0, 1], ill=[0, 1])
+async def a_faulty_fingers_speed_counts_for_no_decision_after_its_cycle(dut, before, ill):
+    """A window in the last clock before the cycle, or in its first, of a finger whose speed adds 5."""
+    _, bits, shift = sizes(dut)
+    top, half = (1 << bits) - 1, 1 << len(dut.cfg_speed_gain_i) - 1
+    gain, speed = (half, 5 * 2**shift // half) if 2**shift >= half else (2**shift, 5)
+    await armed(dut, decay=0, maximum=top, rate=top, speed_gain=gain)
+    found = []
+    for now in range(64):
+        report = (0, 1, speed) if now == 4 else None
+        well = [not (ill and now == 10)] * sizes(dut)[0]
+        got = await clock(dut, (0, 1, 1) if now == 20 - before else None, report, well)
+        if now in (23, 43, 63):
+            found.append(got["increment"])
+    assert found == [before and not ill and 12, 0 if before else 7 if ill else 12, 0]
 
 
 @bench.applies(bench.whole)

@@ -5,6 +5,7 @@ move."""
 import json
 import re
 import subprocess
+from dataclasses import replace
 
 import pytest
 
@@ -83,7 +84,7 @@ WIRED = {  # docs/boards.md, from the boards' own constraint files
     ("icebreaker", "fingertip"): {
         "clk_12m_i": "35", "rx_i": "6", "tx_o": "9", "led_red_n_o": "11", "led_green_n_o": "37",
         "adc_cs_n_o": "4", "adc_mosi_o": "2", "adc_miso_i": "47", "adc_sclk_o": "45", "moving_n_i": "3",
-        "row_o[0]": "43", "row_o[1]": "38", "row_o[2]": "34",
+        "row_o[0]": "43", "row_o[1]": "38", "row_o[2]": "34", "slip_o": "48", "gross_o": "46",
     },
     ("ulx3s", "slip1"): {
         "clk_25m_i": "G2", "rx_i": "M1", "tx_o": "L4", "led_gross_o": "B2", "led_slip_o": "C2",
@@ -102,16 +103,17 @@ WIRED = {  # docs/boards.md, from the boards' own constraint files
         "clk_48m_i": "A9", "rx_i": "N17", "tx_o": "M18", "led_red_n_o": "K4", "led_green_n_o": "M3",
         "led_blue_n_o": "J3", "adc_cs_n_o": "B10", "adc_miso_i": "N15", "adc_mosi_o": "N16",
         "adc_sclk_o": "R17", "moving_i": "L4", "row_o[0]": "C10", "row_o[1]": "C9", "row_o[2]": "B9",
+        "slip_o": "C8", "gross_o": "B8",
     },
     ("tangnano20k", "slip1"): {
         "clk_27m_i": "4", "rx_i": "70", "tx_o": "69", "led_touched_n_o": "15", "led_pressed_n_o": "16",
         "led_slip_n_o": "17", "led_gross_n_o": "18", "adc_cs_n_o": "73", "adc_mosi_o": "74",
-        "adc_miso_i": "75", "adc_sclk_o": "85", "moving_i": "77",
+        "adc_miso_i": "75", "adc_sclk_o": "85", "moving_i": "77", "slip_o": "76", "gross_o": "80",
     },
     ("arty_a7", "slip1"): {
         "clk_100m_i": "E3", "rx_i": "A9", "tx_o": "D10", "led_gross_o": "H5", "led_slip_o": "J5",
         "led_touched_o": "T9", "led_pressed_o": "T10", "adc_cs_n_o": "G13", "adc_mosi_o": "B11",
-        "adc_miso_i": "A11", "adc_sclk_o": "D12", "moving_i": "D13",
+        "adc_miso_i": "A11", "adc_sclk_o": "D12", "moving_i": "D13", "slip_o": "B18", "gross_o": "A18",
     },
 }  # fmt: skip
 
@@ -134,6 +136,37 @@ def test_eight_converters_are_wired_as_the_page_says():
         )
     assert [at[f"row_o[{k}]"] for k in range(7)] == [f"J1 GP{k}" for k in range(7)] and "row_o[7]" not in at
     assert (at["adc_convst_o"], at["adc_reset_o"], at["adc_cs_n_o"]) == ("J1 GP8", "J1 GP9", "J1 GP10")
+
+
+def test_status_pins_are_the_preferred_ones_then_free_ones_then_none():
+    """A ULX3S prefers GN9 and GN10; a Tang Nano has 16 pins and no preference. An AD7606 takes 8 with both
+    lanes."""
+
+    def shown(board, channels=0):
+        needs = {"Adc": 2, "AdcLanes": 2, "ClkKhz": 1000 * board.clock["core_mhz"][0]}
+        ports = pins.assign(board, "x", needs, channels).ports
+        return {port.port: port.at[0] for port in ports if port.role in ("slip", "gross")}
+
+    ulx3s, tang = pins.description("ulx3s"), pins.description("tangnano20k")
+    assert shown(ulx3s) == {"slip_o": "J1 GN9", "gross_o": "J1 GN10"}
+    other = replace(ulx3s, prefer={"gross": ["J1 GP4"]})  # the first that is free
+    assert shown(other) == {"slip_o": "J1 GN4", "gross_o": "J1 GP4"}
+    assert shown(tang) == {"slip_o": "J5 48", "gross_o": "J5 49"}
+    assert shown(tang, 6) == {"slip_o": "J5 52", "gross_o": "J6 74"}
+    assert shown(tang, 7) == {"slip_o": "J6 74"}
+    assert shown(tang, 8) == {}
+    said = r"16; lines without a pin: slip_each_o \(high while channel 8 slips\)$"
+    with pytest.raises(ValueError, match=said):
+        shown(tang, 9)
+
+
+@pytest.mark.parametrize("name", ["fingertip", "cop4"])
+def test_what_has_no_channels_has_no_slip_of_each(name, tmp_path):
+    text = (config.FOLDER / f"{name}.toml").read_text()
+    text += "" if "[link]\n" in text else "[link]\n"
+    (tmp_path / "mine.toml").write_text(text.replace("[link]\n", "[link]\nslip_pins = true\n"))
+    with pytest.raises(ValueError, match=r"\[link\]: slip_pins must go with single channels$"):
+        config.load(tmp_path / "mine.toml")
 
 
 SAME = ("rx_i", "tx_o", "moving_i", "adc_cs_n_o", "adc_sclk_o", "adc_miso_i")
@@ -307,7 +340,10 @@ def test_a_users_file_does_not_take_a_named_ones_folder(tmp_path):
     assert boards.label("mine.toml") == "mine"
 
 
-@pytest.mark.parametrize("board, name", [("ulx3s", "two"), ("ulx3s", "groups"), ("icebreaker", "lanes")])
+LINTED = [("ulx3s", "two"), ("ulx3s", "groups"), ("icebreaker", "lanes"), ("icebreaker", "each")]
+
+
+@pytest.mark.parametrize("board, name", LINTED)
 def test_the_top_lints(board, name, tmp_path):
     folder = f"build/tb/top-{board}-{name}"
     board = ALL[board]

@@ -46,6 +46,29 @@ release_level_v = 4.8
 contact_rises = false
 """
 
+EACH = """
+about = "three sensors on one MCP3208, the slip of each at a pin"
+[clock]
+mhz = {mhz}
+[sensor]
+kind = "channels"
+channels = 3
+[adc]
+part = "MCP3208"
+volts = 5.0
+rate_hz = 4000.0
+[slip]
+window = 4
+hold_ms = 2.0
+threshold_p2p_v = 0.2
+gross_threshold_p2p_v = 2.0
+contact_level_v = 4.5
+release_level_v = 4.8
+[link]
+slip_pins = true
+registers = false
+"""
+
 SPI = {"adc_cs_n_o": 1, "adc_sclk_o": 1, "moving_i": 1}
 BUSY = SPI | {"adc_convst_o": 1, "adc_reset_o": 1}
 USERS = {  # name: (text for a given clock, lines on the headers)
@@ -74,6 +97,10 @@ USERS = {  # name: (text for a given clock, lines on the headers)
     "max": (
         lambda mhz: array(mhz, "MAX11125", 3, 4, 2, 2),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 3},
+    ),
+    "each": (
+        lambda mhz: EACH.format(mhz=mhz),
+        SPI | {"adc_mosi_o": 1, "adc_miso_i": 1, "slip_each_o": 3},
     ),
     "channels": (lambda mhz: CHANNELS.format(mhz=mhz), BUSY | {"adc_busy_i": 1, "adc_miso_i": 1}),
 }

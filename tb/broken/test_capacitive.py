@@ -224,7 +224,8 @@ def test_a_straight_cell(monkeypatch, turned, sound):
     found, _ = turned("cell")
     for key in ("off_the_line_g", "low_at_full_g", "low_settled_g", "settled_off_g", "reads_0_below_g"):
         assert abs(found[key]) < 1.75, key
-    assert found["calibration_residual_g"] < 1.4 < 2.5 < sound["cell"]["calibration_residual_g"]
+    # F is 0 below zero force, where the line through the curve is negative: that is no deviation.
+    assert found["calibration_residual_g"] < 1.4 < 2.2 < sound["cell"]["calibration_residual_g"]
 
 
 def test_a_cell_that_stops_half_way(monkeypatch, turned, sound):

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from harness.command import meissner
-from meissner import cli, engines, files, run, scenes
+from meissner import calibration, cli, engines, files, run, scenes
 from meissner.builds.toolchain import ROOT
+from meissner.parser import parser
 from meissner.twins.slip.config import SlipConfig
 
 
@@ -112,6 +113,28 @@ def test_calibrate_and_then_process_cop(tmp_path, engine):
     result = np.load(tmp_path / "out.npz")
     assert result["sum"] * 5e-4 == pytest.approx(9 * np.arange(5.0), abs=0.005)
     assert np.abs(result["x"]).max() < 5 and np.abs(result["y"]).max() < 5
+    assert result["load_n"] == pytest.approx(result["sum"] * 5e-4, rel=1e-12)
+
+
+def test_calibrate_tells_what_is_not_on_a_line(tmp_path):
+    """A converter of 10 bits, whose end the first cell reaches from 9 N on; the other two bend."""
+    newtons = np.repeat(np.arange(12.0), 2)
+    rise = 100 * newtons, 800 * (1 - np.exp(-newtons / 2)), 700 * (1 - np.exp(-newtons / 1))
+    codes = np.rint(np.minimum(180 + np.stack(rise, axis=-1), 1023)).astype(int)[:, None]
+    np.savez(tmp_path / "press.npz", codes=codes, force_n=newtons)
+    np.save(tmp_path / "codes.npy", codes)
+    done = meissner(*calibrate("press.npz"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    told = done.stdout.splitlines()
+    assert told[0].startswith("1×3 cells from 24 frames, none dead; ") and len(told) == 3
+    assert told[1] == "left out: 6 readings at the converter's end, code 1023, from 9 N on"
+    assert told[2].startswith("2 cells bend: load_n of `process cop` reads their tables, which deviate by ")
+    done = meissner(*cop("codes.npy", "--calibration", "new.npz"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    result, early = np.load(tmp_path / "out.npz"), slice(10)
+    assert result["load_n"][early] == pytest.approx(3 * newtons[early], abs=0.05)
+    straight = result["sum"] * calibration.load(tmp_path / "new.npz").force_lsb_n
+    assert (straight - result["load_n"])[2:10].min() > 1
 
 
 def test_calibrate_takes_the_forces_from_another_file(tmp_path):
@@ -122,7 +145,7 @@ def test_calibrate_takes_the_forces_from_another_file(tmp_path):
     np.savez(tmp_path / "press.npz", **press)
     assert meissner(*calibrate("press.npz", out="a.npz"), cwd=tmp_path).returncode == 0
     for name in ("force.npy", "force.csv"):
-        done = meissner(*calibrate("codes.npy", "--force", name, out="b.npz"), cwd=tmp_path)
+        done = meissner(*calibrate("codes.npy", "--force", name, "--overwrite", out="b.npz"), cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, "")
         a, b = (np.load(tmp_path / out) for out in ("a.npz", "b.npz"))
         assert a.files == b.files and all(np.array_equal(a[key], b[key]) for key in a.files)
@@ -148,6 +171,30 @@ def test_ctrl_c_ends_in_one_sentence_and_leaves_nothing(tmp_path, monkeypatch, r
         cli.main([*map(str, slip(tmp_path / "in.npy", out=tmp_path / "out.npz"))])
     assert capsys.readouterr() == ("", "meissner: interrupted\n")
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_an_output_is_replaced_only_where_that_is_asked_for(tmp_path):
+    """test_refusals has every command that refuses; what --overwrite replaces is complete."""
+    np.savez(tmp_path / "press.npz", **presses())
+    (tmp_path / "new.npz").write_text("an earlier file")
+    done = meissner(*calibrate("press.npz", "--overwrite"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert calibration.load(tmp_path / "new.npz").gain.shape == (3, 3)
+
+
+def test_every_command_with_an_output_protects_earlier_ones():
+    """But for tradeoff, which continues an earlier sweep in its folder."""
+    found, open_ = set(), [("", parser())]
+    while open_:
+        name, one = open_.pop()
+        for action in one._actions:
+            if isinstance(action.choices, dict):
+                open_ += [(f"{name} {word}".strip(), inner) for word, inner in action.choices.items()]
+        options = {text for action in one._actions for text in action.option_strings}
+        if "--out" in options:
+            found.add(name)
+            assert ("--overwrite" in options) == (name != "tradeoff"), name
+    assert len(found) == 10 and "process cop4" in found
 
 
 def test_csv_of_a_spreadsheet(tmp_path):
@@ -187,6 +234,59 @@ def test_run_finds_the_slip_on_the_core(tmp_path):
     assert summary["runs"] >= 100
     assert "at the pins of the MCP3208" in "\n".join(run.tell(scenes.load("acrylic_slip"), summary))
     assert 0 <= summary["delay_s"] < summary["gross_s"] - summary["onset_s"]
+
+
+def own_scene(folder):
+    """A user's scene in ``folder``: one press, one seed, and a title that is no formula."""
+    text = scenes.source("normal_force").replace("seeds = 100", "seeds = 1")
+    text = text.replace('title = "', "title = 'mine: $5^{ ").replace('slip"\n', "slip'\n", 1)
+    (folder / "mine.toml").write_text(text, "utf-8")
+
+
+def test_a_scene_of_ones_own_runs_by_its_file(tmp_path):
+    own_scene(tmp_path)
+    done = meissner("run", "mine.toml", "--seed", 7, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("mine: mine: $5^{ ") and "2 runs, seeds 7 to 7" in done.stdout
+    assert {path.name for path in (tmp_path / "build/run/mine").iterdir()} >= {"report.html", "mine_1.png"}
+    for arguments, said in (
+        (("mine.toml", "--waves"), "--waves requires --engine rtl"),
+        (("other.toml",), "other.toml"),
+        (("mine",), "unknown scene 'mine'; name a .toml file, or one of: acrylic_slip"),
+    ):
+        done = meissner("run", *arguments, cwd=tmp_path)
+        assert done.returncode == 2 and said in done.stderr and done.stderr.count("\n") == 1
+    for name in scenes.names():
+        copy = tmp_path / f"{name}.toml"
+        copy.write_text(scenes.source(name), "utf-8")
+        assert repr(scenes.load(str(copy))) == repr(scenes.load(name))
+
+
+def test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error(tmp_path, monkeypatch, capsys):
+    """With every option; then with one state of the twin changed, whether or not JSON is asked for."""
+    own_scene(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    arguments = ["run", "mine.toml", "--engine", "rtl", "--seed", "7", "--out", "here"]
+    cli.main([*arguments, "--waves", "--json"])
+    found = json.loads(capsys.readouterr().out)
+    assert (found["scene"], found["seeds"], found["twin_mismatches"]) == ("mine", [7, 7], 0)
+    assert "waves.vcd" in found["files"] and (tmp_path / "here/waves.vcd").stat().st_size > 1000
+    right = engines.fixed.watch
+
+    def wrong(*given):
+        watched = right(*given)
+        watched.state[0, -1] += 1
+        return watched
+
+    monkeypatch.setattr(engines.fixed, "watch", wrong)
+    for more in ([], ["--json"]):
+        with pytest.raises(SystemExit) as ended:
+            cli.main([*arguments, *more])
+        said = capsys.readouterr()
+        assert (
+            ended.value.code == 1 and "mine: the core differs from its integer twin in 4 values" in said.err
+        )
+        assert json.loads((tmp_path / "here/summary.json").read_text())["twin_mismatches"] == 4
 
 
 def test_run_says_what_came_of_it(tmp_path):
@@ -249,7 +349,7 @@ def test_a_terminal_without_unicode(tmp_path, locale):
         assert (done.returncode, done.stderr) == (0, b"")
         assert said in done.stdout
     done = subprocess.run(
-        [*command[:5], "-m", "meissner.cli", "process", "cop", "é.npy", "--out", "out.npz"],
+        [*command[:5], "-m", "meissner.cli", "process", "cop", "é.npy", "--out", "no.npz"],
         cwd=tmp_path, env=environment, capture_output=True,
     )  # fmt: skip
     assert done.returncode == 2 and done.stderr.startswith(b"meissner: there is no file ")

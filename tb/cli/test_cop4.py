@@ -67,7 +67,7 @@ gain = = 3 (TOML)
 lsb_n = 0
 lsb_n = 1e-12 (Kf)
 min_n = -0.05 | nan
-min_n = 70 (min_load)
+min_n = 70 (min_n)
 correction = "palm" | true
 """
 
@@ -102,17 +102,17 @@ def test_every_value_of_the_file_arrives_in_its_place(tmp_path):
 
 
 def test_a_builds_configuration_is_taken_too(tmp_path, codes):
-    """The same sensor in both forms of file, the second also by name: 16 bits of 5 V, a gain of 0.3."""
+    """The same sensor in both forms of file, the second also by name: 16 bits of 5 V, gains of 0.3 and 16."""
     build = tomllib.loads((config.FOLDER / "cop4.toml").read_text())
     own = "[mesh]\n" + "".join(f"{key} = {value}\n" for key, value in build["mesh"].items())
-    own += "[converter]\nbits = 16\nreference_v = 5.0\ngain = 0.3\n"
-    own += '[load]\nlsb_n = 0.001\nmin_n = 0.1\ncorrection = "none"\n'
+    own += "[converter]\nbits = 16\nreference_v = 5.0\ngain = 0.3\ndifference_gain = 16.0\n"
+    own += '[load]\nlsb_n = 0.001\nmin_n = 0.3\ncorrection = "none"\n'
     (tmp_path / "own.toml").write_text(own)
     np.save(tmp_path / "in.npy", codes.astype(np.int64) >> 8)  # codes are of 24 bits
     (tmp_path / "build.toml").write_text((config.FOLDER / "cop4.toml").read_text())
     found = []
     for name in ("own.toml", "build.toml", "cop4"):
-        done = meissner(*cop4(config=name), cwd=tmp_path)
+        done = meissner(*cop4("in.npy", "--overwrite", config=name), cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, ""), done.stderr
         found.append(np.load(tmp_path / "out.npz"))
     for other in found[1:]:

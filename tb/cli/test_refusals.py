@@ -69,7 +69,11 @@ min-load: cop cube.npy --min-load -1; cop cube.npy --min-load 8388608; replay go
 offset: cop cube.npy --calibration other.npz
 gains: cop cube.npy --calibration gain.npz
 in.npy: cop cube.npy --calibration in.npy; run acrylic_slip --out in.npy/results; cop4 in.npy --config in.npy
-3×2: cop cube.npy --calibration cal.npz
+3×2: cop cube.npy --calibration cal.npz; regs sim:walk_25x5 --calibration cal.npz
+offset: live sim: --calibration other.npz; log sim: --calibration other.npz; regs sim: --calibration other.npz
+listen: live sim: --listen --calibration cal.npz; log sim: --listen --calibration cal.npz
+reached: live file:a.bin --calibration cal.npz
+array: regs core:grip --calibration cal.npz
 codes: calibrate other.npz; calibrate cube.npy
 text.npz: calibrate text.npz; fit-rubber text.npz
 forces: calibrate press.npz --force in.npy
@@ -90,10 +94,10 @@ COMMAND: ;
 x1b: run x "--\x1b[2J"; slip "\x1b[2J\u202e\n.npy"
 telepathy: live telepathy
 seconds: live sim: --seconds 0; live sim: --seconds nan
-clk-khz: live sim: --clk-khz 0
+clk-khz: live sim: --clk-khz 0; live sim: --clk-khz 999; live sim: --clk-khz 12000000
 reached: regs file:a.bin
 a.txt: log sim: --out a.txt
-clock: log file:a.bin; budget --clock 1; budget --clock nan
+clock: log file:a.bin; budget --clock 12; budget --clock 12000; budget --clock 2.1e8; budget --clock nan
 a.bin: replay a.bin
 empty.mcap: replay empty.mcap
 oracle: replay empty.mcap --engine oracle
@@ -138,6 +142,17 @@ lut: choose channels --lut 3; choose channels --lut 3 --board icebreaker --adc M
 icebreaker: choose electrodes --board icebreaker
 requirements: choose array --latency 0.1 --rows 64 --adc MCP3208
 sweep: choose array --sweep /nowhere
+overwrite: slip in.npy --out cal.npz; cop cube.npy --out cal.npz; cop4 good4.npy --out cal.npz
+overwrite: calibrate press.npz --out cal.npz; log sim: --out cal.npz; replay good.npz --out cal.npz
+overwrite: choose channels --out c.toml; run walk_25x5 --out done; budget --cop4 --out done
+overwrite: budget --cop4 --out done/budget_cop4.png; slip in.npy --out linked.npz
+input: slip in.csv --out in.csv --overwrite; slip in.csv --out ./in.csv
+input: log file:c.npz --out c.npz --overwrite
+input: slip in.csv --out hard.csv --overwrite; cop cube.npy --calibration cal.npz --out cal.npz --overwrite
+input: cop cube.npy --calibration cal.npz --out linked.npz --overwrite; calibrate press.npz --out press.npz
+input: cop4 good4.csv --out good4.csv --overwrite; replay good.npz --out good.npz --overwrite
+input: calibrate cube.npy --force press.npz --out press.npz --overwrite
+input: log sim: --config c.npz --out c.npz --overwrite
 """
 
 
@@ -192,8 +207,12 @@ def inputs(tmp_path_factory):
         np.savez(file, x=np.zeros(100, int))
     for name in ("pipe", "pipe.npy", "pipe.npz"):
         os.mkfifo(folder / name)
-    for name in ("folder", "folder.csv"):
+    for name in ("folder", "folder.csv", "done"):
         (folder / name).mkdir()
+    for name in ("done/summary.json", "done/budget_cop4.png", "c.npz", "good4.csv"):
+        (folder / name).write_text("1,2,3,4\n")
+    (folder / "hard.csv").hardlink_to(folder / "in.csv")
+    (folder / "linked.npz").symlink_to("cal.npz")
     (folder / "tall_header.npy").write_bytes(header((1 << 40,)) + bytes(64))
     archive(folder / "bomb.npz", offset=(20_000, 20_000), gain=(3, 2))
     archive(folder / "bomb1.npz", offset=(3, 2), gain=(400_000_000,))

@@ -4,10 +4,12 @@ SciPy, PyWavelets or Matplotlib, which would add a second to every start."""
 
 import argparse
 import json
+import shlex
 import subprocess
 import sys
 
 import numpy as np
+import pytest
 
 from meissner.parser import parser
 
@@ -40,11 +42,24 @@ def commands(at, path=()):
 EVERY = list(commands(parser()))
 
 
+@pytest.mark.parametrize("command", [("log",), ("replay",)])
+def test_the_example_of_a_commands_help_is_a_whole_command(command):
+    """Both need --out, so the first line that a user copies has it."""
+    done = subprocess.run(
+        [sys.executable, "-m", "meissner.cli", *command, "--help"],
+        capture_output=True,
+        text=True,
+    )
+    example = done.stdout.partition("example: meissner ")[2].splitlines()[0]
+    taken = parser().parse_args(shlex.split(example))
+    assert (taken.command,) == command and taken.out
+
+
 def imported(*lines, cwd=None):
     """(exit codes, the packages listed above that were imported) of commands run in one process."""
     given = json.dumps([[*map(str, line)] for line in lines])
     command = [sys.executable, "-c", SHOW, given]
-    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     *_, codes, found = done.stdout.split("\n")[:-1]
     return json.loads(codes), set(found.split())

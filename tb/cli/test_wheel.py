@@ -157,9 +157,11 @@ def test_commands_run_from_an_empty_folder(installed, tmp_path):
     np.save(tmp_path / "in.npy", np.arange(12).reshape(2, 2, 3))
     sums = [15, 51]  # 0 + .. + 5, 6 + .. + 11
     for engine in ("fixed", "rtl"):
-        done = installed("process", "cop", "in.npy", "--engine", engine, "--out", "o.npz", cwd=tmp_path)
+        done = installed(
+            "process", "cop", "in.npy", "--engine", engine, "--out", f"{engine}.npz", cwd=tmp_path
+        )
         assert (done.returncode, done.stderr) == (0, "")
-        assert np.load(tmp_path / "o.npz")["sum"].tolist() == sums
+        assert np.load(tmp_path / f"{engine}.npz")["sum"].tolist() == sums
     assert len(list(installed.cache.glob("*/rtl/*/core.so"))) == 1  # in the user's cache
     done = installed("run", "walk_25x5", "--engine", "fixed", "--out", "walk", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "") and (tmp_path / "walk/report.html").is_file()

@@ -67,7 +67,15 @@ def damaged_frames(beats, length, draw):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "damaged_o")
+    await bench.turn_over(dut, "damaged_o", again=False)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    """Frames of one beat that does not fit."""
+    await bench.start(dut, in_data_i=0, in_row_last_i=0, in_fits_i=0, in_last_i=1)
+    await bench.counts_on(dut, "damaged_o", in_valid_i=1, out_ready_i=1)
 
 
 @bench.applies(small)  # the large array has its own test

@@ -5,13 +5,14 @@ on; errors; a calibration loaded during operation."""
 
 import itertools
 import logging
+import random
 import re
 import zlib
 
 import cocotb
 import numpy as np
 import pytest
-from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 from cocotbext.axi import (
     AxiLiteBus,
@@ -139,12 +140,13 @@ def pressing(rng, frames, size):
     return np.array(found)
 
 
+IDLE = {"s_axis_tvalid": 0, "m_axis_tready": 0, "actuator_moving_i": 0}
+IDLE |= {f"s_axil_{name}": 0 for name in ("awvalid", "wvalid", "bready", "arvalid", "rready")}
+
+
 async def begin(dut, rate=0.0):
     axi = Axi(dut, rate)
-    idle = {"s_axis_tvalid": 0, "m_axis_tready": 0, "actuator_moving_i": 0}
-    idle |= {f"s_axil_{name}": 0 for name in ("awvalid", "wvalid", "bready", "arvalid", "rready")}
-    await bench.start(dut, **idle)
-    await bench.clocks(dut, 200)  # until the preset gains are written
+    await bench.start(dut, **IDLE)
     return axi
 
 
@@ -155,6 +157,35 @@ async def rests_in_reset_whatever_comes(dut):
     inputs += [f"s_axil_{port}" for port in ("wvalid", "wdata", "wstrb", "bready", "rready")]
     resting = ["m_axis_tvalid", "s_axil_bvalid", "s_axil_rvalid", "slip_o", "gross_o", "touched_o"]
     await bench.inputs_in_reset(dut, *resting, "pressed_o", also=inputs)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def ready_waits_for_no_valid_of_its_clock(dut):
+    """In clocks of a stalled and a running stream, and in reset: tready stays, whatever the inputs become; in
+    reset it is low."""
+    names = ("s_axis_tvalid", "s_axis_tlast", "m_axis_tready", "s_axil_arvalid")
+    await bench.start(dut, **IDLE)
+    draw = random.Random(bench.SEED)
+    given, seen = dict.fromkeys(names, 0), set()
+    for _ in range(1500):
+        reset = int(draw.random() < 0.03)
+        dut.rst_i.value = reset
+        if not given["s_axis_tvalid"]:
+            given |= {"s_axis_tvalid": int(draw.random() < 0.6), "s_axis_tlast": int(draw.random() < 0.2)}
+        given["m_axis_tready"] = draw.randrange(2)
+        readies = set()
+        await FallingEdge(dut.clk_i)
+        for values in [*itertools.product((0, 1), repeat=len(names)), tuple(given.values())]:
+            for name, value in zip(names, values):
+                getattr(dut, name).value = value
+            await Timer(1, "ps")
+            readies.add(bench.read(dut.s_axis_tready))
+        dut.s_axil_arvalid.value = 0
+        assert len(readies) == 1, f"tready {readies}"
+        seen.add((reset, *readies))
+        await RisingEdge(dut.clk_i)
+        given["s_axis_tvalid"] &= int(not reset and readies == {0})
+    assert seen == {(0, 0), (0, 1), (1, 0)}
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -331,6 +362,77 @@ async def a_calibration_is_loaded_while_it_runs(dut):
     assert all(image in expected[: len(before.images)] for image in got[: -len(after.images)])
 
 
+@bench.applies(lambda dut: number(dut, "Rows") == 24)
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_calibration_written_right_after_a_reset_is_kept(dut):
+    """By hand: gains of 1, 2 and 3 for samples of 1000 + taxel, written from the first clock on; the frame
+    before the swap has the preset gain of 5000 / 4096."""
+    axi, taxels = await begin(dut), 24 * 20
+    for word in range(taxels):
+        for address, value in ((0x504, word), (0x508, 0), (0x50C, 4096 * (1 + word % 3)), (0x510, 1)):
+            assert await axi.write(address, value) == AxiResp.OKAY
+    for swap in (0, 1):
+        assert await axi.write(0x514, swap) == AxiResp.OKAY
+        await axi.send([[1000 + taxel] for taxel in range(taxels)])
+        await bench.clocks(dut, 6000)
+    first, second = images(await axi.packets())
+    assert first == [((1000 + taxel) * 5000 + 2048) // 4096 for taxel in range(taxels)]
+    assert second == [(1000 + taxel) * (1 + taxel % 3) for taxel in range(taxels)]
+
+
+@bench.applies(lambda dut: number(dut, "Array"))
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def an_image_is_of_one_frame(dut):
+    """link.images switched off and on in frames of one value each, between them and at every beat: an image
+    has its frame's value in all taxels, and the images are those of the frames that began while it was on."""
+    axi, size, due = await begin(dut), Size(dut), []
+    beats = size.rows * -(-size.columns // size.lanes)
+    taken = 0
+
+    async def count():
+        nonlocal taken
+        while True:
+            await FallingEdge(dut.clk_i)
+            taken += dut.s_axis_tvalid.value == 1 and dut.s_axis_tready.value == 1
+
+    async def send(value):
+        await axi.send([[value] * size.lanes] * beats)
+
+    cocotb.start_soon(count())
+    await axi.write(0x500, 4096)  # the preset gain, 1.0
+    if number(dut, "Tare"):  # its first averaging ends, then every zero is 0 and stays
+        for _ in range(4):
+            await send(0)
+        await axi.packets()
+        for address, value in ((0x480, 65535), (0x484, 0), (0x494, 1)):
+            await axi.write(address, value)
+        await bench.clocks(dut, 30)
+        for word in range(beats):
+            for address, value in ((0x498, word), (0x49C, 0), (0x4A0, 255)):
+                await axi.write(address, value)
+        await axi.write(0x494, 0)
+    on, draw = 1, np.random.default_rng(bench.SEED)
+    for n, place in enumerate([*range(beats), *draw.integers(0, beats, 7)] * 2, 1):
+        on_before, on = on, 1 - on
+        if place == 0:
+            await axi.write(0x900, on)
+            await send(100 * n)
+        else:
+            taken, sending = 0, cocotb.start_soon(send(100 * n))
+            while taken < place:
+                await RisingEdge(dut.clk_i)
+            axi.source.pause = True
+            await axi.write(0x900, on)
+            axi.source.pause = False
+            await sending
+        due += [100 * n] if (on_before if place else on) else []
+        await bench.clocks(dut, 1500)
+    got = images(await axi.packets())
+    assert [image for image in got if len(set(image)) > 1] == []
+    assert [image[0] for image in got][-len(due) :] == due
+    assert len(got) == len(due)
+
+
 SETTINGS = {
     "calibrate.preset": GAIN,
     "cop.min_load": 1,
@@ -367,11 +469,17 @@ EVIDENCE = {
 }
 
 
+GIVEN = {"Statistics": 0, "TareLog2": TARE_LOG2, "Resets": f"{RESET_BITS}'h{reset_word(SETTINGS):x}"}
+
+
 @pytest.mark.parametrize("name", BUILDS)
 def test_axis(name):
-    word = f"{RESET_BITS}'h{reset_word(SETTINGS):x}"
-    given = {"Statistics": 0, "TareLog2": TARE_LOG2, "Resets": word}
-    bench.run("core", "axis", BUILDS[name] | given)
+    bench.run("core", "axis", BUILDS[name] | GIVEN)
+
+
+def test_axis_after_a_reset():
+    size = {"Rows": 24, "Columns": 20, "Slip": 0} | GIVEN
+    bench.run("core", "axis", size, "a_calibration_written_right_after_a_reset_is_kept")
 
 
 def test_it_has_every_feature_of_the_core():

@@ -6,6 +6,7 @@ loses frames, not events. Faults of taxels, what each counter counts, every bit 
 
 import copy
 import random
+import re
 from dataclasses import fields
 from itertools import groupby, pairwise
 
@@ -18,8 +19,8 @@ from cocotb.utils import get_sim_time
 
 import bench
 from core import core_by_hand, pins
-from core.wires import SEEN, Ends, port_of
-from meissner.builds import config
+from core.wires import OF_GLUE, SEEN, Ends, consumers
+from meissner.builds import config, toolchain
 from meissner.builds.build import Config, verilog
 from meissner.twins import core
 from meissner.twins.link import bridge
@@ -41,7 +42,7 @@ SLIP_V = {
 }
 SLIP_N = {
     **{"window": 16, "hop": 16, "threshold_p2p_n": 0.3, "gross_threshold_p2p_n": 1.0, "contact_level_n": 0.8},
-    **{"release_level_n": 0.4, "hold_ms": 1.0, "refractory_ms": 1.0, "blank_ms": 1.0},
+    **{"release_level_n": 0.4, "hold_ms": 0.0, "refractory_ms": 0.0, "blank_ms": 0.0},
 }
 ROWS, COLUMNS = 3, 7  # of the array; a conversion takes two columns
 TAXELS = ROWS * COLUMNS
@@ -50,6 +51,7 @@ CASES = {
         "sensor": {"kind": "array", "rows": ROWS, "columns": COLUMNS},
         "adc": {"part": "MCP3208", "channels": 2, "volts": 5.0, "rate_hz": 500.5, "settle_us": 2.0},
         "array": {"health": True, "newtons_per_count": 1e-3 / 16},
+        "health": {"edges": True},
         "slip": SLIP_N,
         "link": {"baud": 1_000_000, "images": True, "statistics": False},
     },
@@ -67,6 +69,14 @@ CASES = {
         "cop_slip": {"lag_ms": 2.0, "drop": 0.3, "move": 0.0, "min_load_n": 0.2, "hold_ms": 1.0},
         "link": {"baud": 1_000_000, "statistics": False},
     },
+    "hand": {
+        "sensor": {"kind": "channels", "channels": 2},
+        "adc": {"part": "MCP3208", "volts": 5.0, "rate_hz": 4000.0},
+        "slip": SLIP_V,
+        "grip": {},
+        "shear_speed": {},
+        "link": {"baud": 1_000_000, "statistics": False},
+    },
     "smallest": {
         "sensor": {"kind": "channels", "channels": 1},
         "adc": {"part": "MCP3208", "volts": 5.0, "rate_hz": 5000.0},
@@ -74,10 +84,10 @@ CASES = {
         "link": {"baud": 500_000, "registers": False, "statistics": False, "slip_only": True},
     },
 }
-FRAMES = {"array": 24, "channels": 120, "electrodes": 90, "smallest": 120}
+FRAMES = {"array": 24, "channels": 120, "electrodes": 90, "hand": 120, "smallest": 120}
 COMMON = {"about": "of a test", "clock": {"mhz": 4.0}}
 # Parameters that no configuration sets: a short queue, and one core without a line.
-EXTRA = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}
+EXTRA = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}, "hand": {"Uart": 0}}
 # Short names and paths of the blocks inside.
 INSIDE = {
     "registers": "u_registers",
@@ -98,7 +108,7 @@ INSIDE = {
     "uart": "u_link.gen_slip_only.u_link.u_uart_tx",
 }
 PINS = {"channels": "gen_channels.u_sensor", "electrodes": "gen_cop4.u_sensor.u_channels"}
-PINS["smallest"] = PINS["channels"]
+PINS["hand"] = PINS["smallest"] = PINS["channels"]
 AT_PINS = {
     "acquire": "u_acquire",
     "gate": "gen_gate.u_frame_gate",
@@ -108,12 +118,14 @@ PARTS = {  # parts whose wires a core has
     "array": ("array", "slip", "events", "flags", "link"),
     "channels": ("acquire", "gate", "channels", "slip", "events", "flags", "link"),
     "electrodes": ("acquire", "gate", "electrodes", "flags", "link"),
+    "hand": ("acquire", "gate", "slip", "events", "flags", "link"),
     "smallest": ("acquire", "slip", "sender", "flags"),
 }
 IS = {  # rows, columns, groups of registers
     "array": (ROWS, COLUMNS, "slip scan health tare calibrate cop link"),
     "channels": (1, 3, "adc slip link"),
     "electrodes": (1, 4, "adc cop4 cop_slip link"),
+    "hand": (1, 2, "adc slip link grip shear_speed"),
 }
 ADDRESS = {
     f"{group.name}.{register.name}": register.address for group in GROUPS for register in group.registers
@@ -360,6 +372,12 @@ async def counts_over_the_whole_width(dut):
         dut.rst_i.value = int(39 <= clock < 43)
         for port in inputs:
             port.value = draw.getrandbits(len(port))
+    for start in bench.carries(dut.now) if bench.whole(dut) else ():
+        dut.u_link.now_o.value = start
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        assert bench.read(dut.now) == (start + 1) % 2**48
+        await FallingEdge(dut.clk_i)
     await RisingEdge(dut.clk_i)
 
 
@@ -497,72 +515,114 @@ async def write(host, values, **how):
     assert [answer[:3] for answer in answers] == [(tag, bridge.DONE, at) for _, tag, at, _ in asked]
 
 
-@bench.applies(lambda dut: case_of(dut)[0] in ("array", "electrodes"))
+# Bits that these builds have for settings held to them: a detail's 17 and the level's, a load's 16 and those that
+# number the taxels.
+HELD = {
+    "array": {"detail": 18, "timer": 16, "load": 21, "offset": 17},
+    "electrodes": {"detail": 18, "timer": 16, "load": 18, "offset": 17},
+    "hand": {"detail": 18, "timer": 16, "load": 17, "offset": 17},
+}
+
+
+@bench.applies(lambda dut: case_of(dut)[0] in HELD)
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_every_setting_is_kept(dut):
-    """Each setting reads back as written and arrives at its block, as its reset value did. The two cores
-    together have all groups of settings. The enables are written first, which stops the conversions."""
+    """Each setting reads back as written and arrives, as its reset value did, with all its bits at every block
+    that uses it. The enables are written first, which stops the conversions."""
     name, build = case_of(dut)
     host, *_ = await begin(dut, name, build)
     watch_wires(dut, name, "registers.pending_o")
     (features,) = await read(host, "core.features", rest=8 * 700)
     present = [group.name for place, group in enumerate(GROUPS[1:]) if features >> place & 1]
-    twin = Registers(
-        [group.name for group in GROUPS if group.feature and group.name in present],
-        build.parameters["Resets"],
-        # a detail has 17 bits plus the level's; a load 16 bits plus those that number the taxels
-        {"array": {"detail": 18, "load": 21}, "electrodes": {"detail": 18, "load": 18}}[name],
-    )
-    ends = Ends(dut, inside(name), ())
+    assert present == IS[name][2].split()
+    optional = [group.name for group in GROUPS if group.feature and group.name in present]
+    twin = Registers(optional, build.parameters["Resets"], HELD[name])
+    fields = {f"{g.name}.{r.name}.{f.name}": f for g, r, f in all_settings() if g.name in ("core", *present)}
+    places = [place for place in consumers(dut) if place[3] in fields]
+    used = {setting for *_, setting, at_block in places if at_block}
+    assert used.isdisjoint(OF_GLUE) and used | set(OF_GLUE) >= set(fields), set(fields) - used - set(OF_GLUE)
+    for port, _, bits, setting, _ in places:
+        field = fields[setting]
+        assert bits >= HELD[name].get(field.held_to, field.width), f"{port._path} cuts {setting}"
 
     def arrived():
-        for group, register, field in all_settings():
-            port = port_of(group.name, register.name, field.name)
-            if group.name in present and port:
-                value = twin.setting(group.name, register.name, field.name)
-                assert ends(port) == value & (1 << ends.width(port)) - 1, f"{port} is {ends(port):x}"
+        for port, low, bits, setting, _ in places:
+            value, got = twin.setting(*setting.split(".")), bench.read(port) >> low & (1 << bits) - 1
+            assert got == value & (1 << bits) - 1, f"{setting} = {value:x} is {got:x} at {port._path}"
+
+    async def write_all(word_of, registers):
+        asked, expected = [], []
+        for tag, register in enumerate(registers):
+            data, word = twin.access(False, register.address)[0], word_of(register)
+            word = ~data & 0xFFFF_FFFF if word is None else word
+            for operation in (bridge.WRITE, bridge.READ):
+                asked.append((operation, tag & 255, register.address, word))
+                data, error, _ = twin.access(operation == bridge.WRITE, register.address, word)
+                expected.append((tag & 255, int(error), register.address, data))
+        asked += [(bridge.READ, 0, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
+        expected += [(0, bridge.BUS_ERROR, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
+        assert await host.ask(asked[:4], rest=8 * 700) + await host.ask(asked[4:]) == expected
+
+    async def commit():
+        assert twin.pending
+        await bench.clocks(dut, 200)  # a frame boundary comes even without frames
+        twin.commit()
+        arrived()
 
     arrived()
-    settings = [
-        register
-        for group in GROUPS
-        if group.name in ("core", *present)
-        for register in group.registers
-        if any(field.kind == "setting" for field in register.fields)
-    ]
-    settings.sort(key=lambda register: register.name not in ("enable", "images"))
-    asked, expected = [], []
-    for tag, register in enumerate(settings):
-        word, *_ = twin.access(False, register.address)
-        for operation in (bridge.WRITE, bridge.READ):
-            asked.append((operation, tag, register.address, ~word & 0xFFFF_FFFF))
-            data, error, _ = twin.access(operation == bridge.WRITE, register.address, ~word & 0xFFFF_FFFF)
-            expected.append((tag, int(error), register.address, data))
-    asked += [(bridge.READ, 0, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
-    expected += [(0, bridge.BUS_ERROR, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
-    assert await host.ask(asked[:4], rest=8 * 700) + await host.ask(asked[4:]) == expected
+    registers = [r for g in GROUPS if g.name in ("core", *present) for r in g.registers]
+    registers = [r for r in registers if any(field.kind == "setting" for field in r.fields)]
+    registers.sort(key=lambda register: register.name not in ("enable", "images"))
+    await write_all(lambda register: None, registers)  # every bit inverted
     # core.hold was written among them: what waits for a frame's start waits on, until the host releases it.
     assert not twin.pending
     twin.access(True, ADDRESS["core.hold"], 0)
     await write(host, {"core.hold": 0})
-    assert twin.pending
-    await bench.clocks(dut, 200)  # a frame boundary comes even without frames
-    twin.commit()
-    arrived()
-    # Most values were beyond the range and saturated: now values within it.
-    for word in (0x15555, 0x2AAAA, 0x15555) if name == "array" else ():
-        values = {f"slip.{key}": word for key in ("threshold", "gross_threshold", "keep_threshold")}
-        for key, value in values.items():
-            twin.access(True, ADDRESS[key], value)
-        await write(host, values)
-        twin.commit()
-        assert [twin.setting(*key.split("."), "value") for key in values] == [word] * 3
-        arrived()
+    await commit()
+    # Most values were beyond the build's range and saturated. Now values within it, and not all bits alike.
+    draw, wide = random.Random(bench.SEED), [r for r in registers if max(f.width for f in r.fields) > 1]
+    words = {register.address: draw.getrandbits(32) for register in wide}
+    for invert in (0, 0xFFFF_FFFF):
+
+        def within(register, invert=invert):
+            (held, *_) = {field.held_to for field in register.fields}
+            bits = HELD[name].get(held, 32)
+            word = (words[register.address] ^ invert) & (1 << bits) - 1
+            return word | -(word >> bits - 1 << bits) & 0xFFFF_FFFF if register.fields[0].signed else word
+
+        await write_all(within, wide)
+        await commit()
     if name == "electrodes":
         for byte in range(4):
             ask = (bridge.WRITE, 0, ADDRESS["core.scratch"], 0x0101_0101 * (0xA5 + byte))
             await host.ask([ask], strobe=1 << byte)
         assert await read(host, "core.scratch") == [0xA8A7_A6A5]
+
+
+def test_every_group_of_registers_is_in_a_core_whose_settings_are_followed():
+    text = (toolchain.ROOT / "rtl/registers.rdl").read_text("utf-8")
+    groups = set(re.findall(r"^ +\} (\w+) @ 0x", text, re.M))
+    assert groups == {group.name for group in GROUPS} and len(groups) >= 13
+    assert groups == {"core"} | {group for name in HELD for group in IS[name][2].split()}
+
+
+@bench.applies(lambda dut: case_of(dut)[0] in ("array", "electrodes") and bench.whole(dut))
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def a_lost_result_is_given_up_after_511_clocks(dut):
+    """docs/frames.md; with the converters off."""
+    name, build = case_of(dut)
+    host, *_ = await begin(dut, name, build)
+    await write(host, {"scan.enable" if name == "array" else "adc.enable": 0}, rest=8 * 700)
+    await bench.clocks(dut, 8000)
+    owed = (dut.gen_array if name == "array" else dut.gen_cop4).u_sensor.u_owed
+    await FallingEdge(dut.clk_i)
+    owed.owed.value = 1
+    busy = 0
+    for clock in range(600):
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        busy += bench.read(owed.busy_o)
+    assert busy == 511
 
 
 @bench.applies(lambda dut: case_of(dut)[0] == "electrodes")
@@ -720,7 +780,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     assert await read(host, *counters, rest=8 * 700) == [0] * 4
 
 
-@bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels") and bench.whole(dut))
+@bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels", "hand") and bench.whole(dut))
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_a_counter_reaches_its_register(dut):
     """By values put where they are counted, also for counters whose faults these parts do not have."""
@@ -732,8 +792,9 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
     sources = {
         "slip.damaged": path.u_frame_filter.damaged_o,
         "slip.blanked": path.u_slip.blanked_o,
-        "link.rejected": dut.u_link.gen_registers.u_bridge.rejected_o,
     }
+    if name != "hand":
+        sources["link.rejected"] = dut.u_link.gen_registers.u_bridge.rejected_o
     if name == "array":
         array, packet = dut.gen_array.u_sensor, dut.u_link.gen_packets.u_packet
         scan = array.gen_adc.u_scan_adc.u_scan
@@ -750,9 +811,30 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
         spi = dut.gen_channels.u_sensor.u_acquire.gen_adc.u_adc_spi
         kinds = ("dropped", "overrun", "timeout", "mistagged", "over_range")
         sources |= {f"adc.{kind}": getattr(spi, f"{kind}_o") for kind in kinds}
+    if name == "hand":
+        reflex, shear = dut.u_actuate.gen_grip, dut.u_shear_speeds.gen_shear_speed
+        sources |= {"grip.commands": reflex.commands, "grip.tightenings": reflex.tightenings}
+        sources |= {
+            f"grip.{kind}": getattr(reflex.u_grip, f"out_{kind}_o") for kind in ("command", "increment")
+        }
+        sources |= {f"grip.{kind}": getattr(reflex.u_grip, f"{kind}_o") for kind in ("fault", "faulty")}
     for turn in (0, 1, 0):
         values = pins.put(sources, turn)
         assert await read(host, *sources) == list(values.values())
+    for turn in (0, -1) if name == "hand" else ():
+        draw, words = random.Random(bench.SEED), {}
+        for kind in ("last", "pairs", "windows"):
+            bits = len(getattr(shear, kind))
+            words[kind] = (draw.getrandbits(bits) ^ turn) & (1 << bits) - 1
+            getattr(shear, kind).value = words[kind]
+        for channel in range(8):
+            await write(host, {"shear_speed.select": channel})
+            last = words["last"] >> 32 * (7 - channel) & 0xFFFF_FFFF  # speed and flags
+            pair = words["pairs"] >> 53 * channel & (1 << 53) - 1  # Vi and rise
+            expected = [(last & 0xFF) << 24 | last >> 8, pair >> 27, pair & (1 << 27) - 1]
+            expected.append(words["windows"] >> 32 * channel & 0xFFFF_FFFF)
+            names = (f"channel{channel}", "vi", "rise", "windows")
+            assert await read(host, *(f"shear_speed.{one}" for one in names)) == expected
 
 
 EVIDENCE = {
@@ -764,10 +846,8 @@ EVIDENCE = {
         "settle": 2,
         "driver": {
             "free": 100000,
-            # What a scan copied when it was enabled, until it is disabled.
-            "kept": "settle_q period_q",
             # Counters up to a scan's next row and frame.
-            "late": "left_q count_q",
+            "late": "since_q count_q rest_q",
             "part": 1,
             "packets": 1,
             "writes": 25,
@@ -809,7 +889,7 @@ def test_what_a_configuration_leaves_out_the_model_leaves_out():
     no events."""
     plain = copy.deepcopy(COMMON | CASES["array"])
     plain["array"] = {"tare": False, "newtons_per_count": 1e-3}
-    del plain["slip"]
+    del plain["slip"], plain["health"]
     codes = codes_of("array", configuration("array"), 40)[:6]
     found = core.expected(config.read("plain", plain), codes)
     assert found.images.tolist() == codes.reshape(6, TAXELS).tolist() and not found.slip

@@ -34,6 +34,7 @@ SILENT, UNHEALTHY, LIMIT = 1, 2, 4
 def build():
     table = tomllib.loads((config.FOLDER / "grip.toml").read_text())
     table["clock"]["mhz"] = 4.0
+    table["sensor"]["rest_v"] = 4.9  # below the highest code, so both ends of the range are faults
     table["grip"] |= {"cycle_ms": 7.0, "step": STEP, "rate": RATE}
     return config.read("hand", table)
 
@@ -126,7 +127,7 @@ def decisions(taken):
 
 def waits(loop, limit):
     """How many of the next ``limit`` clocks, none of which has an input, only count in ``loop``: most do."""
-    if loop.windows or loop.due or loop.forget or loop.boost_before != loop.boost:
+    if loop.windows or loop.due or loop.faulty or loop.boost_before != loop.boost:
         return 0
     return max(0, min(limit, max(16, loop.period) - 1 - loop.in_period))
 

@@ -16,7 +16,6 @@ BLOCKS = {
         "msn_scan",
         "msn_calibrate",
         "msn_width_converter",
-        "msn_calibration_preset",
         "msn_cop_divide",
     },
     "Health": {"msn_health"},

@@ -2,22 +2,25 @@
 "<block>.<port>", with the test's short name of the block, or a port of the core itself; "[high:low]" selects
 bits. "cfg.<setting>" and "status.<name>" are members of the structs that the registers give and get."""
 
+from cocotb.handle import HierarchyArrayObject, HierarchyObject
+
 import bench
 import members
+from meissner.twins.link.registers import settings
 
 # Modules below the core whose ports tests see, and one signal: bench.run makes them visible.
 SEEN = """acquire adc_spi bridge cobs cop4 cop_accumulate cop_slip electrodes frame_filter frame_gate
-frame_owed health.dead_count health.railed_count health.blinking_count image_store link packet packet_slip
-registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip slip_chain.offered slip_changes
-slip_flags slip_path slip_serial sync tare.tared_count tare.refused_count tare.swallowed_count time_stamp uart_tx"""
+frame_owed frame_owed.owed grip actuate.commands actuate.tightenings
+shear_speeds.last shear_speeds.pairs shear_speeds.windows health.dead_count health.railed_count health.blinking_count image_store link packet packet_slip
+registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip slip_chain.offered slip_changes slip_flags
+slip_path slip_serial sync *.cfg_*i tare.tared_count tare.refused_count tare.swallowed_count time_stamp uart_tx"""
 SEEN = tuple(f"msn_{name}" for name in SEEN.split())
 
 # The struct of each of these ends, and where it is.
 STRUCTS = {
     **{"cfg": ("cfg", "registers.cfg_o"), "status": ("status", "registers.status_i")},
-    **{"given": ("cfg", "array.cfg_i"), "sensed": ("status", "array.status_o")},
-    **{"slip_cfg": ("slip_cfg", "slip.cfg_i"), "told": ("link_status", "link.status_o")},
-    **{"link_cfg": ("link_cfg", "link.cfg_i"), "change": ("change", "sender.in_i")},
+    **{"sensed": ("status", "array.status_o"), "told": ("link_status", "link.status_o")},
+    "change": ("change", "sender.in_i"),
     **{"decision": ("decision", "link.decision_i"), "cop": ("cop", "link.cop_i")},
 }
 
@@ -114,11 +117,6 @@ WIRES = {
         ("link.bus_{}_o", "registers.bus_{}_i", "valid write address wdata strobe"),
         ("registers.bus_{}_o", "link.bus_{}_i", "done error rdata"),
         ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected changes_lost"),
-        (
-            "cfg.link_{}",
-            "link_cfg.{}",
-            "events_none events_contact events_incipient events_gross events_release",
-        ),
         ("link.now_o", "now"),
         ("bus_{}_i", "link.host_{}_i", "valid write address wdata strobe"),
         ("link.host_{}_o", "bus_{}_o", "done error rdata"),
@@ -178,22 +176,66 @@ GLUE = {
     "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("chain.offered")},
 }
 
-# A setting arrives at cfg_<its name>_i of its group's block, or in a struct, except these, which arrive
-# elsewhere or through glue.
-OWN = {"adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
-ELSEWHERE = {f"cop4.p{n}.value": f"cop4.cfg_p_i[{18 * n + 17}:{18 * n}]" for n in range(6)}
-IN_STRUCTS = {"slip": "slip_cfg.", "link": "link_cfg."} | {
-    name: f"given.{name}_" for name in ["scan", "health", "tare", "calibrate", "cop"]
+# The group of an instance with a port cfg_<setting>_i, or with the struct cfg_i of its group; "": of all groups.
+GROUP_OF = {
+    **dict.fromkeys("u_registers u_sensor u_channels u_forces".split(), ""),
+    **dict.fromkeys("u_acquire u_adc_spi".split(), "adc"),
+    **dict.fromkeys("u_slip u_slip_path".split(), "slip"),
+    **dict.fromkeys("u_scan_adc u_scan u_plan".split(), "scan"),
+    **dict.fromkeys("u_health u_taxel".split(), "health"),
+    **dict.fromkeys("u_calibrate u_table".split(), "calibrate"),
+    **dict.fromkeys("u_cop u_divide".split(), "cop"),
+    **dict.fromkeys("u_actuate u_grip u_finger_health u_pwm".split(), "grip"),
+    **dict.fromkeys("u_shear_speeds u_shear_speed".split(), "shear_speed"),
+    "u_link": "link",
+    **{"u_tare": "tare", "u_cop4": "cop4", "u_cop_slip": "cop_slip"},
 }
-OF_GLUE = ("core.scratch.value", "link.images.value")
+# Ports with another name than their setting.
+NAMED = {f"u_{one}.cfg_scale_i": f"cop4.{k}.value" for one, k in (("x", "kx"), ("y", "ky"), ("load", "kf"))}
+NAMED["u_changes.cfg_events_i"] = [
+    f"link.events.{state}" for state in ("none", "contact", "incipient", "gross", "release")
+]
+NAMED["u_cop4.cfg_p_i"] = [f"cop4.p{n}.value" for n in range(6)]  # p0 lowest
+# Blocks that use the struct's members themselves, and settings that glue uses: other tests show their effect.
+READERS = ("u_health", "u_tare", "u_calibrate")
+OF_GLUE = ["core.scratch.value", "core.hold.value", "link.images.value", "grip.enable.value"]
+OF_GLUE += [f"shear_speed.{name}.value" for name in ("enable", "hold", "hold_cycles", "select")]
 
 
-def port_of(group, register, field):
-    """The port at which a setting arrives; None if glue changes it on the way."""
-    name = f"{group}.{register}.{field}"
-    if group in IN_STRUCTS:
-        return f"{IN_STRUCTS[group]}{members.member(register, field)}"
-    return None if name in OF_GLUE else ELSEWHERE.get(name, f"{OWN.get(group)}.cfg_{register}_i")
+def below(handle, path=()):
+    """(names of the instances above, port) of every visible port cfg_... below ``handle``."""
+    for child in handle:
+        if isinstance(child, HierarchyObject | HierarchyArrayObject):
+            yield from below(child, (*path, child._name))
+        elif child._name.startswith("cfg_"):
+            yield path, child
+
+
+def consumers(dut):
+    """[(port, lowest bit, bits, setting, whether it is used there)] of every place in the core where a setting
+    arrives, "group.register.field"; AssertionError for a port that none of the tables above knows."""
+    found = []
+    for path, port in below(dut):
+        names = [name for name in path if name.startswith("u_")]
+        if "u_scan_adc" in names and names[-1] == "u_adc_spi":
+            continue  # driven by the scan
+        end = f"{names[-1]}.{port._name}"
+        assert end in NAMED or names[-1] in GROUP_OF, f"{end} is in no table of core/wires.py"
+        group = GROUP_OF.get(names[-1])
+        if port._name in ("cfg_i", "cfg_o"):
+            places = members.PLACES[f"{group}_cfg" if group else "cfg"]
+            assert len(port) == sum(bits for _, bits in places.values()), end
+            for of, register, field in settings():
+                if group in ("", of.name):
+                    name = f"{of.name}_" * (not group) + members.member(register.name, field.name)
+                    setting = f"{of.name}.{register.name}.{field.name}"
+                    found.append((port, *places[name], setting, names[-1] in READERS))
+        else:
+            listed = NAMED.get(end, f"{group}.{port._name[4:-2]}.value")
+            listed = [listed] if isinstance(listed, str) else listed
+            bits = len(port) // len(listed)
+            found += [(port, place * bits, bits, name, True) for place, name in enumerate(listed)]
+    return found
 
 
 def joins(parts):

@@ -59,6 +59,8 @@ CONFIGS = [
     config(Mesh(41, 41, 150.0), 24, "uneven points"),
     config(Mesh(5, 9, 100.0, R0=1e3), 16, "cover"),
     config(Mesh(1, 6, 47.0), 18, "point"),
+    config(Mesh(7, 7, 100.0, R0=1e3), 16, difference_gain=16.0),
+    config(Mesh(5, 9, 100.0, R0=1e3), 16, "uneven points", difference_gain=12.5),
     config(Mesh(1, 1, 47.0), 20),
 ]
 
@@ -200,7 +202,7 @@ def test_refuses_configurations():
         ("bits", {"bits": 7}),
         ("correction", {"touch": "palm"}),
         ("too small|too large", {"load_lsb_n": 1e-12}),
-        ("min_load", {"min_load_n": 1e5}),
+        ("min_n", {"min_load_n": 1e5}),
         ("imbalance = 4 must lie in|leaves no room", {"mesh": Mesh(5, 5, 47.0, V0=20.0)}),
     ):
         with pytest.raises(ValueError, match=message):

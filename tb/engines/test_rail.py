@@ -9,12 +9,10 @@ import pytest
 
 from meissner.builds import config
 from meissner.engines.rtl_core import CoreOnPins
-from meissner.twins.link import bridge
 from meissner.twins.link.decoder import Decoder
 
 HEALTH, RAILED = 4, 2  # docs/link.md
 SLIP = ("threshold_p2p_n", "gross_threshold_p2p_n", "contact_level_n", "release_level_n")
-USE = 0x410  # health.use: bit 0, over-range samples count as railed; bit 1, edges
 # Full scale, bits, lowest code; volts of six taxels, and the taxels that are railed.
 PARTS = {
     # 3.3 V / 4096 = 0.8057 mV: 3.2995 V is 4095.4 codes, 3.2988 V 4094.5, 0.5 mV 0.6 and 0.9 mV 1.1.
@@ -24,7 +22,7 @@ PARTS = {
 }
 
 
-def build(part, volts):
+def build(part, volts, wiring):
     adc = {
         "part": part,
         "volts": volts,
@@ -36,7 +34,7 @@ def build(part, volts):
         "rail",
         {
             **{"about": "of a test", "clock": {"mhz": 4.0}, "adc": adc},
-            **{"sensor": {"kind": "array", "rows": 2, "columns": 3}},
+            **{"sensor": {"kind": "array", "rows": 2, "columns": 3, "wiring": wiring}},
             "array": {"health": True, "tare": False},
             "health": {"still": 0, "blink": 0, "rail": 1},
             "slip": dict.fromkeys(SLIP, 1.0) | {"window": 8},
@@ -45,17 +43,17 @@ def build(part, volts):
     )
 
 
+@pytest.mark.parametrize("wiring", ["pulled_down", "differential"])
 @pytest.mark.parametrize("part", PARTS)
-def test_a_code_at_the_rail_is_reported_railed(part):
-    """By the code limits alone: the bit that counts over-range samples is cleared first. Runs for more than
-    16 frames."""
+def test_a_code_at_the_rail_is_reported_railed(part, wiring):
+    """But not where a pull-down rests: at 0 of a converter from 0 V. Runs for more than 16 frames."""
     full, bits, lowest, volts, railed = PARTS[part]
+    railed = railed - {2} if wiring == "pulled_down" and not lowest else railed
     top = lowest + (1 << bits) - 1
     steps = (1 << bits) / (full - (-full if lowest else 0))
     codes = [min(max(floor(v * steps), lowest), top) for v in volts]
-    made = build(part, full)
+    made = build(part, full, wiring)
     with CoreOnPins(made, np.array(codes).reshape(1, 2, 3)) as core:
-        core.write(bridge.command(bridge.WRITE, 1, USE, 2))
         data = core.run(24 * made.period_clocks)
     packets = [packet for packet in Decoder().next(data) if packet.kind == HEALTH]
     assert {(packet.fields["taxel"], packet.fields["faults"]) for packet in packets} == {

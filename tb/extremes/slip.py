@@ -1,10 +1,13 @@
 """Extremes of rtl/slip: alternating full scale at every level, windows and timers at their ends, powers."""
 
+import re
+
 import hypothesis.strategies as st
 import mpmath
 import numpy as np
 
 from extremes.rows import row
+from meissner.builds import toolchain
 from meissner.twins.slip import haar, peak_to_peak, shear_speed, slip, slip_path, slip_serial
 from meissner.twins.slip.config import SlipConfig
 from reference import exact
@@ -269,7 +272,7 @@ def plain_settings(size, **given):
     return settings | given
 
 
-@row("shear_speed", {"": "0.0005 of v and 1/2 LSB at the default size"})
+@row("shear_speed", {"": "0.000023 + 0.000047 / n of v and 1/2 LSB at the default size"})
 def shear_speed_(see):
     formula(see)
     rules(see)
@@ -348,6 +351,7 @@ def formula(see):
                 limit=min(value, 2 * target) * share + mpmath.mpf("0.5"),
             )
             see.same(0 <= got <= top_speed, True, one)
+    promised(see)
     size = shear_speed.ShearSize()
     half_lsb = mpmath.mpf(2) ** -21 / mpmath.mpf("0.01")  # part of the page's bound, at 0.01 mm/s
     see.near(
@@ -356,6 +360,24 @@ def formula(see):
         "docs/shear_speed.md, bound of 6 bits",
         limit=mpmath.mpf("0.0000006"),
     )
+
+
+def promised(see):
+    """What the header promises for the default size, over 1/n from 0 to its greatest value; float64 is exact to
+    1e-13. At the least n more than 0.001 occurs, so the promise may not be a constant of the published n."""
+    text = (toolchain.ROOT / "rtl/slip/msn_shear_speed.sv").read_text("utf-8")
+    promise = re.search(r"Error: at most (\S+) \+ (\S+) / n of v and 1/2 LSB at the default size", text)
+    size, (fixed, slope) = shear_speed.ShearSize(), map(float, promise.groups())
+    k = see.numpy.integers(1 << 20, 1 << 21, 3000)
+    for exponent in sorted({*range(0, 65536, 2048 if not see.long else 61), 18618, 65535}):
+        power = exponent / 2048
+        rise = np.rint(k * 2 ** (see.numpy.uniform(-4, 3.9, k.size) / max(power, 4))).astype(int)
+        exact = 2 ** (np.log2(rise / k) * power + 20)
+        got = shear_speed.speed(rise, k, shear_speed.ShearSettings(**plain_settings(size, exponent=exponent)))
+        worst = float(np.max((np.abs(got - exact) - 0.5)[exact < 2**24 - 1] / exact[exact < 2**24 - 1]))
+        see.near(max(worst, 0), 0, f"1/n = {power}", limit=fixed + slope * power)
+        see.near(within(exponent, 26, 6, 16), 0, f"1/n = {power}, bound", limit=fixed + slope * power)
+    see.same(worst > 0.001, True, "the largest 1/n")
 
 
 def rules(see):

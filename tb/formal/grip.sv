@@ -5,6 +5,7 @@
 //   it falls by at most `decay`, and only if every finger reported, was healthy and never over since the last cycle
 //   the command does not change between cycles; cycles are at least two clocks apart, and a period has one
 //   the first command after a reset has an increment of 0; in mode force it needs an override
+//   a change of mode is a reset of one clock
 // The speed's part of a window is read from the block. Limits, rate and watchdog do not change while it runs.
 
 module formal_grip #(
@@ -68,10 +69,14 @@ module formal_grip #(
     if (started) assume (cfg == cfg_q);
   end
 
+  logic mode_q, rst;
+  assign rst = rst_i || (started && cfg_mode_i != mode_q);
+  always_ff @(posedge clk_i) mode_q <= cfg_mode_i;
+
   // For each finger, since the last cycle.
   localparam logic [WideBits-1:0] Top = (WideBits)'((1 << CommandBits) - 1);
   logic [Fingers-1:0][WideBits-1:0] wish;
-  logic [Fingers-1:0]               open, heard, over, unwell, counts, hit;
+  logic [Fingers-1:0]               open, heard, over, unwell, counts, hit, silent, faulty;
   logic [Fingers-1:0][TimerBits-1:0] unheard, unheard_next;
   logic                             go;
   assign go = dut.go;
@@ -92,7 +97,7 @@ module formal_grip #(
       earlier[f] = go ? '0 : wish[f];
       step[f] = WideBits'(cfg_step_i);
       for (int unsigned n = 0; n < 7; n++) if (n < 32'(row[f]) && n < 32'(boost)) step[f] = step[f] + step[f];
-      added[f] = earlier[f] + step[f] + WideBits'(dut.term[f]);
+      added[f] = earlier[f] + step[f] + ((go && faulty[f]) ? '0 : WideBits'(dut.term[f]));
     end
   end
   always_ff @(posedge clk_i) begin
@@ -107,7 +112,7 @@ module formal_grip #(
     heard  <= go ? hit : heard | hit;
     over   <= go ? (hit & {Fingers{over_i}}) : over | (hit & {Fingers{over_i}});
     unwell <= go ? ~healthy_i : unwell | ~healthy_i;
-    if (rst_i) begin
+    if (rst) begin
       {wish, unheard}             <= '0;
       {open, heard, over, unwell} <= '0;
       row                         <= '0;
@@ -116,7 +121,6 @@ module formal_grip #(
   end
 
   // The fingers joined.
-  logic [Fingers-1:0]  silent, faulty;
   logic [WideBits-1:0] most, least;
   always_comb begin
     most  = '0;
@@ -133,8 +137,8 @@ module formal_grip #(
   logic [Fingers-1:0]  was_silent, was_unwell, was_heard, was_over;  // of the last cycle
   logic [WideBits-1:0] joined;
   always_ff @(posedge clk_i) begin
-    go_2 <= go && !rst_i;
-    go_3 <= go_2 && !rst_i;
+    go_2 <= go && !rst;
+    go_3 <= go_2 && !rst;
     if (go) begin
       joined     <= (&faulty) ? '0 : cfg_rule_i ? least : most;
       slips      <= |(over & ~faulty);
@@ -147,27 +151,26 @@ module formal_grip #(
   end
 
   // The goal, limited to minimum .. maximum, then by `rate`.
-  logic                       armed, armed_mode, live, gives;
+  logic                       armed, gives;
   logic signed [WideBits-1:0] was, goal, bounded, next;
   logic signed [WideBits-1:0] low, high, rate;
   assign was  = signed'(WideBits'(out_command_o));
   assign low  = signed'(WideBits'(cfg_minimum_i));
   assign high = signed'(WideBits'(cfg_maximum_i));
   assign rate = signed'(WideBits'(cfg_rate_i));
-  assign live  = armed && armed_mode == cfg_mode_i;
-  assign gives = live || !cfg_mode_i || cfg_override_i;
+  assign gives = armed || !cfg_mode_i || cfg_override_i;
   always_comb begin
     goal = was;
-    if (!live && !cfg_mode_i) goal = low;
-    else if (!live || cfg_override_i) goal = signed'(WideBits'(cfg_override_value_i));
+    if (!armed && !cfg_mode_i) goal = low;
+    else if (!armed || cfg_override_i) goal = signed'(WideBits'(cfg_override_value_i));
     else if (slips) goal = was + signed'(joined);
     else if (falls) goal = was - signed'(WideBits'(cfg_decay_i));
     bounded = goal;
     if (bounded < low) bounded = low;
     if (bounded > high) bounded = high;
     next = bounded;
-    if (live && next > was + rate) next = was + rate;
-    if (live && next < was - rate) next = was - rate;
+    if (armed && next > was + rate) next = was + rate;
+    if (armed && next < was - rate) next = was - rate;
   end
 
   logic                       due, due_live, due_mode, due_override, went;
@@ -180,32 +183,29 @@ module formal_grip #(
   logic                       ordered;
   assign ordered = cfg_minimum_i <= cfg_maximum_i;
   always_ff @(posedge clk_i) begin
-    due          <= go_2 && gives && !rst_i;
-    due_live     <= live;
+    due          <= go_2 && gives && !rst;
+    due_live     <= armed;
     due_mode     <= cfg_mode_i;
     due_override <= cfg_override_i;
     due_next     <= next;
     due_was      <= was;
     due_decay    <= cfg_decay_i;
-    out_due      <= due && !rst_i;
-    if (due) begin
-      armed      <= 1'b1;
-      armed_mode <= due_mode;
-    end
+    out_due      <= due && !rst;
+    if (due) armed <= 1'b1;
     {out_live, out_mode, out_override} <= {due_live, due_mode, due_override};
     {out_was, out_next, out_decay}     <= {due_was, due_next, due_decay};
-    went      <= go_3 && !rst_i;
+    went      <= go_3 && !rst;
     if (go_3) {out_silent, out_unwell, out_heard, out_over} <= {was_silent, was_unwell, was_heard, was_over};
     command_q <= out_command_o;
-    if (rst_i) armed <= 1'b0;
+    if (rst) armed <= 1'b0;
   end
 
   // Whether this period has had its cycle.
   logic ended, had;
   always_ff @(posedge clk_i) begin
-    ended <= dut.ends && !rst_i;
+    ended <= dut.ends && !rst;
     had   <= (had && !dut.ends) || (go && !dut.ends);
-    if (rst_i) had <= 1'b0;
+    if (rst) had <= 1'b0;
   end
 
   logic signed [WideBits-1:0] increment;
@@ -250,7 +250,7 @@ module formal_grip #(
       end
       assert (dut.counted == open && dut.seen == heard && dut.over == over && dut.sick == unwell);
       assert (dut.go_2 == go_2 && dut.go_3 == go_3);
-      assert (dut.given == (!armed ? dut.None : armed_mode ? dut.Force : dut.Position));
+      assert (dut.given == {mode_q, armed, mode_q ^ armed} && dut.fault_o[4] == !armed);
       if (armed && ordered) assert (was >= low && was <= high);
       assert (dut.done == had && dut.last_clock >= PeriodBits'(15));
       if (dut.ends) assert (dut.clocks == '0);

@@ -39,7 +39,7 @@ module owed_field #(
 
   logic             started = 1'b0;
   logic [Width-1:0] held, shown;  // expected values
-  assign written_o = On && write_i && word_i == Word;
+  assign written_o = On && write_i && word_i == Word && mask_i[Low+:Width] != '0;
   assign fit_o     = fit(held_i);
   always_ff @(posedge clk_i) begin
     started <= 1'b1;

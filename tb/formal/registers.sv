@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every access is answered once, two clocks later. These are errors and change nothing: an address that is not a
-// multiple of four, an address without a register in this build, a write to a read-only register. Every setting is the
+// multiple of four, an address without a register in this build, a write to a read-only register, or while its block is
+// on to one that applies while off. Every setting is the
 // value written to it, byte by byte, immediately or after a commit, which is none while core.hold is 1; a read gives all fields of its word in
 // their places, with the core's counters as of the clock before the answer; a pulse follows its write by a clock, once.
 // Where the build has fewer bits than the map, the core and a read get the nearest number that fits into them.
@@ -63,18 +64,20 @@ module formal_registers #(
   always_ff @(posedge clk_i) {asked_``n, was_``n} <= {there[n], (width)'(value)}; \
   always_comb if (started && done && !empty && asked_``n) assert (bus_rdata_o[low+:width] == was_``n);
 
-`define SETTING(n, on, at, low, width, place, name, member, waits, ends, sign) \
+`define SETTING(n, on, at, low, width, place, name, member, waits, ends, sign, able) \
   logic [width-1:0] name``_fit; \
   owed_field #( \
     .On(on), .Word(at), .Low(low), .Width(width), .Reset(Resets[place+:width]), .Waits(waits), .Bits(ends), \
     .Signed(sign) \
   ) owed_``name ( \
-    .clk_i, .rst_i, .write_i(write), .word_i(bus_address_i[11:2]), .data_i(bus_wdata_i), .mask_i(mask), \
+    .clk_i, .rst_i, .write_i(write && (able)), .word_i(bus_address_i[11:2]), .data_i(bus_wdata_i), .mask_i(mask), \
     .commit_i(commit), .member_i(cfg_o.member), .held_i(dut.written[place+:width]), .fit_o(name``_fit), \
     .written_o(written[n]) \
   ); \
   `READS(n, on, at, low, width, name``_fit) \
-  assign writable[n] = there[n];
+  logic able_``n; \
+  always_ff @(posedge clk_i) able_``n <= able; \
+  assign writable[n] = there[n] && able_``n;
 
 `define STATUS(n, on, at, low, width, name, member) \
   assign {written[n], writable[n]} = '0; \
@@ -91,9 +94,9 @@ module formal_registers #(
   always_comb if (started) assert (cfg_o.member == due_``name); \
   `READS(n, on, at, low, 1, 0)
 
-`define WRITTEN(on, at, name, member) \
+`define WRITTEN(on, at, low, name, member) \
   logic wrote_``name; \
-  always_ff @(posedge clk_i) wrote_``name <= !rst_i && on && write && bus_address_i[11:2] == at; \
+  always_ff @(posedge clk_i) wrote_``name <= !rst_i && on && write && bus_address_i[11:2] == at && mask[low]; \
   always_comb if (started) assert (cfg_o.member == wrote_``name);
 
 `include "registers_map.svh"

@@ -3,7 +3,8 @@
 // The plan against its rules, clock by clock: a converter starts exactly Settle + 1 clocks after each switch, once, and
 // at no other time; the next switch follows at least Hold clocks later, and triggers are at least Cycle clocks apart
 // while the plan is on. A frame begins at its tick or as soon as possible after it, and converts every row and group,
-// row by row or, if it began with that order, every second row first. Settings are read only when they may be.
+// row by row or, if it began with that order, every second row first. The settings in force are those of the last clock
+// in which no frame was under way and none was due.
 
 module formal_scan_plan #(
   parameter  int unsigned Rows       = 16,
@@ -37,21 +38,22 @@ module formal_scan_plan #(
     .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) dut (.*);
 
-  // Settings of the plan, read while it is off and up to the first clock of enable.
+  // Settings in force.
   localparam int unsigned Wide = 26;
   logic                             started = 1'b0;
   logic                             off;
   logic [1:0]                       waits;
   logic [SettleBits-1:0]            settle;
   logic [PeriodBits-1:0]            period;
-  logic [Wide-1:0]                  gap, slot;
+  logic [Wide-1:0]                  gap;
   assign gap  = (Wide'(settle) + Wide'(Hold + 1) >= Wide'(Cycle)) ? Wide'(Hold) : Wide'(Cycle - 1) - Wide'(settle);
-  assign slot = Wide'(settle) + Wide'(1) + gap;
 
-  // When: minimum of clocks to the next switch, and clocks to the frame's next tick.
-  logic [Wide-1:0]       rest;
-  logic [PeriodBits-1:0] ticks_left;
-  logic                  free, due, wanted, tick, take, late, waiting;
+  // When: clocks since the last trigger, if there was one since the reset, and to the frame's next tick.
+  logic [19:0]           since;
+  logic                  apart;
+  logic [PeriodBits-1:0] age;    // clocks since the last tick, back to back since the frame's start
+  logic                  ripe;   // age was a period, or more
+  logic                  free, due, wanted, tick, take, late, waiting, settling, first_q;
   // Where: the next place and the one before it; `lag`: a frame counts as under way for two more clocks.
   logic                  more, active, odd, odd_was, interleave, order;
   logic [1:0]            lag;
@@ -59,9 +61,9 @@ module formal_scan_plan #(
   logic [RowBits:0]      row_next;
   logic [GroupBits-1:0]  group, group_was;
   logic [31:0]           overrun, held;
-  assign free     = !off && rest == '0;
+  assign free     = !off && !settling && (!apart || 24'(since) >= 24'(gap));
   assign active   = more || lag != '0;
-  assign tick     = !off && cfg_enable_i && period != '0 && ticks_left == '0;
+  assign tick     = !off && cfg_enable_i && period != '0 && ripe;
   assign due      = free && (active || (cfg_enable_i && (period == '0 || wanted || tick)));
   assign take     = due && room_i;
   assign order    = active ? interleave : cfg_interleave_i;
@@ -69,7 +71,7 @@ module formal_scan_plan #(
 
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
-    if (off && waits == 2'd3) begin
+    if (!active && !settling && !due) begin
       settle <= cfg_settle_i;
       period <= cfg_period_i;
     end
@@ -81,8 +83,11 @@ module formal_scan_plan #(
       waits <= 2'd3;
     end
 
-    rest       <= take ? slot - 1'b1 : (rest == '0) ? '0 : rest - 1'b1;
-    ticks_left <= (off || !cfg_enable_i) ? '0 : (tick ? period : ticks_left) - 1'b1;
+    age  <= (off || !cfg_enable_i) ? '0 : ripe ? PeriodBits'(1) :
+            (lag == 2'd2 && first_q && period == '0) ? PeriodBits'(2) : age + 1'b1;
+    ripe <= off || !cfg_enable_i ||
+            (period != '0 && (PeriodBits+1)'(ripe ? '0 : age) + (PeriodBits+1)'(1) >= (PeriodBits+1)'(period)) ||
+            (period == '0 && !ripe && age == '1);
     if (tick && !active) wanted <= 1'b1;
     if (take) wanted <= 1'b0;
     if (off) wanted <= 1'b0;
@@ -117,7 +122,6 @@ module formal_scan_plan #(
     if (rst_i) begin
       off     <= 1'b1;
       waits   <= 2'd3;
-      rest    <= '0;
       wanted  <= 1'b0;
       more    <= 1'b0;
       odd     <= 1'b0;
@@ -131,11 +135,10 @@ module formal_scan_plan #(
     end
   end
 
-  // Conversions: a switch waits for its trigger; a trigger came since reset, since the plan is on; clocks since both.
-  logic                 settling, triggered, apart, framed, first_q, first_done, order_done;
+  // Conversions: a switch waits for its trigger; a trigger came since reset; clocks since both.
+  logic                 triggered, framed, first_done, order_done;
   logic [GroupBits-1:0] place, place_done;
   logic [Wide-1:0]      after;
-  logic [19:0]          since;
   always_ff @(posedge clk_i) begin
     after <= after + 1'b1;
     since <= (since == '1) ? '1 : since + 1'b1;
@@ -155,8 +158,8 @@ module formal_scan_plan #(
       if (first_q) order_done <= interleave;
       if (first_q) framed <= 1'b1;
     end
-    if (off || rst_i) apart <= 1'b0;
     if (rst_i) begin
+      apart     <= 1'b0;
       settling  <= 1'b0;
       triggered <= 1'b0;
       framed    <= 1'b0;
@@ -182,32 +185,35 @@ module formal_scan_plan #(
   end
 
   // Invariant: the block's registers agree with this model.
-  logic blank;  // no settings were read since reset
-  assign blank = off && waits == 2'd3;
+  logic blank = 1'b1;  // no settings were read since the start
+  always_ff @(posedge clk_i) blank <= !started;
+  localparam int unsigned Full = (Cycle - 1 > Hold) ? Cycle - 1 : Hold;
   always_comb begin
     if (started) begin
+      if (blank) assert (off);
       // States and counters.
-      assert (dut.none_q == (dut.count_q == '0));
-      assert (!(settling && (off || rest == '0)));
-      assert (dut.state_q == (off ? 2'd0 : rest == '0 ? 2'd1 : settling ? 2'd2 : 2'd3));
-      if (off) assert (rest == '0 && !more && lag == '0 && Wide'(dut.count_q) == Wide'(waits));
+      assert (dut.none_q == (dut.count_q == '0) || !(off || settling));
+      assert (dut.state_q == (off ? 2'd0 : settling ? 2'd2 : 2'd1));
+      if (off) assert (!settling && !more && lag == '0 && Wide'(dut.count_q) == Wide'(waits));
       if (settling) begin
         assert (after >= Wide'(1) && after <= Wide'(settle) + Wide'(1));
-        assert (Wide'(dut.count_q) + after == Wide'(settle) + Wide'(1) && rest + after == slot);
+        assert (Wide'(dut.count_q) + after == Wide'(settle) + Wide'(1));
+        if (apart) assert (since == '1 || 24'(since) >= 24'(gap) + 24'(after));
       end
-      if (!settling && rest != '0) assert (rest <= gap - Wide'(1) && Wide'(dut.count_q) == rest - Wide'(1));
-      if (settling && apart) assert (since == '1 || 24'(since) >= 24'(gap) + 24'(after));
-      if (!settling && apart && !off) assert (since == '1 || 24'(since) + 24'(rest) >= 24'(gap));
+      if (apart) assert (since != '0 && 32'(dut.rest_q) == (32'(since) >= Full ? 0 : Full - 32'(since)));
+      else assert (dut.rest_q == '0);
       assert (trigger_o == (settling && after == Wide'(settle) + Wide'(1)));
+      if (lag != '0) assert (after + Wide'(lag) == Wide'(3));
+      if (lag != '0 && !settling) assert (apart && 24'(since) + 24'(settle) + 24'(1) == 24'(after));
 
       // Values derived from the settings.
-      if (!blank) assert (dut.settle_q == settle && dut.period_q == period);
-      if (!off || waits <= 2'd1) begin
-        assert (Wide'(dut.gap_q) == gap && dut.at_once_q == (settle == '0));
-        assert (dut.period_one_q == (period == PeriodBits'(1)) && dut.timed_q == (period != '0));
+      if (!blank) begin
+        assert (dut.settle_q == settle && dut.at_once_q == (settle == '0));
+        assert (dut.last_q == period - 1'b1 && dut.timed_q == (period != '0));
+        assert (dut.since_q == age && dut.zero_q == ripe);
+        assert (Wide'(dut.most_q) == (Wide'(settle) < Wide'(Full - Hold) ? Wide'(settle) : Wide'(Full - Hold)) + Wide'(1));
+        assert (dut.open_q == (!apart || 24'(since) >= 24'(gap)) || settling);
       end
-      if (!off || waits == '0) assert (Wide'(dut.rest_q) == gap - Wide'(2) && dut.rest_none_q == (gap == Wide'(2)));
-      if (!blank) assert (dut.left_q == ticks_left && dut.zero_q == (ticks_left == '0));
       assert (dut.want_q == wanted && dut.late_q == late && dut.waits_q == waiting);
 
       // The place.
@@ -216,7 +222,6 @@ module formal_scan_plan #(
       if (!more) assert (row == '0 && group == '0 && !odd);
       if (active) assert (dut.interleave_q == interleave);
       if (lag != '0) begin
-        assert (Wide'(lag) + slot == rest + Wide'(3));
         assert (dut.row_q == row_was && dut.group_q == group_was && (!interleave || odd_was == row_was[0]));
         assert (32'(row_was) < Rows && 32'(group_was) < Groups);
         if (lag == 2'd1) assert (dut.row_next_q == (RowBits+1)'(row_was) + (interleave ? (RowBits+1)'(2) : (RowBits+1)'(1)));

@@ -84,7 +84,17 @@ async def counts_over_the_whole_width(dut):
     """A sample waits from the first clock on, so that the next one is dropped."""
     counters, inputs = ("dropped_o", "over_range_o"), {"adc_miso_i": 1, "cfg_enable_i": 1, "out_ready_i": 0}
     span = 3 * dut.Period.value.to_unsigned()
-    await bench.turn_over(dut, *counters, span=span, wiggled=["out_ready_i"], **inputs)
+    await bench.turn_over(dut, *counters, span=span, wiggled=["out_ready_i"], again=False, **inputs)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    """Codes of all ones, which nobody takes, and which are taken at once."""
+    span = 3 * dut.Period.value.to_unsigned()
+    await bench.start(dut, adc_miso_i=1, cfg_enable_i=1)
+    await bench.counts_on(dut, "dropped_o", span=span, out_ready_i=0)
+    await bench.counts_on(dut, "over_range_o", span=span, out_ready_i=1)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

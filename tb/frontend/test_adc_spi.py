@@ -257,7 +257,24 @@ async def counts_over_the_whole_width(dut):
     wiggled = ["cfg_enable_i", "trigger_i", "out_ready_i"]
     part = PARTS[dut.Part.value.to_unsigned()]
     still = ["dropped_o", *["timeout_o"] * part.has_busy, *["mistagged_o"] * part.tagged]
-    await bench.turn_over(dut, "over_range_o", "overrun_o", wiggled=wiggled, still=still, **inputs)
+    counters = ("over_range_o", "overrun_o")
+    await bench.turn_over(dut, *counters, wiggled=wiggled, still=still, again=False, **inputs)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    """Frames that nobody takes; ticks without a pause; a BUSY that never rises, or rises and falls; answers with
+    the wrong channel's number."""
+    part, often = PARTS[dut.Part.value.to_unsigned()], {"span": 20_000}
+    inputs = {"cfg_period_i": 1, "trigger_i": 1, "adc_busy_i": 0, "out_ready_i": 0}
+    await bench.start(dut, cfg_enable_i=1, adc_miso_i=(1 << len(dut.adc_miso_i)) - 1, **inputs)
+    await bench.counts_on(dut, "overrun_o", **often)
+    if part.has_busy:
+        await bench.counts_on(dut, "timeout_o", **often)
+    wiggled = ["adc_busy_i"] * part.has_busy
+    await bench.counts_on(dut, "mistagged_o" if part.tagged else "dropped_o", wiggled=wiggled, **often)
+    await bench.counts_on(dut, "over_range_o", strobe="over_q")
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -850,3 +867,11 @@ def test_twin_never_exceeds_the_parts_clock(part):
 def test_half_a_bit_by_hand(part, clk_khz, half):
     """docs/adc.md: 2·half - 1 clocks last at least the access time and 7 ns of round trip."""
     assert AdcSpi(part, channels=1, clk_khz=clk_khz, sclk_khz=part.sclk_max_khz).half == half
+
+
+@pytest.mark.parametrize(
+    "clk_khz, clocks", [(4_000, 64), (12_000, 128), (25_000, 256), (48_000, 512), (100_000, 1024)]
+)
+def test_busy_is_waited_for_as_long_as_the_page_says(clk_khz, clocks):
+    """docs/adc.md: the smallest power of two that lasts 8.4 µs, which is 33.6, 100.8, 210, 403.2 and 840 clocks."""
+    assert AdcSpi(AD7606, clk_khz=clk_khz).watch_clocks == clocks

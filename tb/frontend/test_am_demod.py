@@ -90,7 +90,16 @@ SETTINGS = [(1, 0, 0), (1, 3, 1), (3, 1, 4), (2, 0, 2), (2, 200, 31), (0, 2, 8)]
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "broken_o", wiggled=["in_valid_i", "in_start_i"])
+    await bench.turn_over(dut, "broken_o", wiggled=["in_valid_i", "in_start_i"], again=False)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    """Every sample begins a measurement."""
+    idle = dict.fromkeys(("in_data_i", "in_user_i", "in_id_i", "in_last_i", "cfg_shift_i"), 0)
+    await bench.start(dut, cfg_periods_i=3, cfg_skip_i=1, in_start_i=1, **idle)
+    await bench.counts_on(dut, "broken_o", in_valid_i=1, out_ready_i=1)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

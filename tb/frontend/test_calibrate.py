@@ -17,6 +17,7 @@ from meissner.twins.frontend.calibrate import Calibrate, forces, latency
 from members import Settings
 
 FIELDS = ["data", "mask", "fits", "row_last", "last"]
+PRESET = 4000
 
 
 def number(dut, name):
@@ -25,7 +26,9 @@ def number(dut, name):
 
 def twin_of(dut):
     names = ("Rows", "Columns", "Lanes", "SampleBits", "RowColumn", "Offset", "GainShift")
-    return Calibrate(*(number(dut, name) for name in names))
+    twin = Calibrate(*(number(dut, name) for name in names))
+    twin.table.preset = PRESET
+    return twin
 
 
 def length_of(dut):
@@ -48,13 +51,10 @@ def calibrations(table, rng):
 
 
 def written(table, of_row, word, lane, offset, gain):
-    """The members of calibrate_cfg that write this entry. Also what the block does not use of them is driven:
-    the upper bits of a row's or column's number, and the lanes of a row's entry."""
-    used = max(1, (max(table.rows, table.row_beats) - 1).bit_length()) if table.row_column else 20
-    upper = (1 << 20) - (1 << used) if lane % 2 == 0 else 0
+    """The members of calibrate_cfg that write this entry; the lanes of a row's entry are not used."""
     lanes = 0xFF if of_row else 1 << lane
     return {
-        **{"word": word | upper, "offset": offset, "gain": gain},
+        **{"word": word, "offset": offset, "gain": gain},
         **{"write_lanes": lanes, "write_row": of_row, "write_written": 1},
     }
 
@@ -64,7 +64,7 @@ class Stream:
 
     async def begin(self, dut, **inputs):
         self.dut, self.twin, self.rng = dut, twin_of(dut), np.random.default_rng(bench.SEED)
-        self.settings = Settings(dut, "calibrate_cfg")
+        self.settings = Settings(dut, "calibrate_cfg", preset=PRESET)
         self.length = length_of(dut)
         await bench.start(dut, **inputs)
         return self
@@ -77,9 +77,10 @@ class Stream:
                 await RisingEdge(self.dut.clk_i)
             twin.table.put(*entry)
             await self.settings.pulse(self.dut.clk_i, **written(twin.table, *entry))
-        if not twin.table.row_column:  # a row's entry is not for this table
-            refused = {"write_lanes": 255, "write_row": 1, "write_written": 1, "gain": 0x5A5A}
-            await self.settings.pulse(self.dut.clk_i, **refused)
+        table = twin.table  # what is not there is not written, nor a row's entry to a table of taxels
+        for of_row, word in ((0, table.beats), (1, table.rows * table.row_column)):
+            refused = {"write_lanes": 255, "write_row": of_row, "word": word, "write_written": 1}
+            await self.settings.pulse(self.dut.clk_i, gain=0x5A5A, **refused)
 
     async def swap(self):
         """Request it in the clock of one more entry, which still belongs to the calibration."""
@@ -123,7 +124,7 @@ async def matches_model(dut, stall_rate):
         beats = line.samples(2)
         got = await line.send(beats)
         assert got == expected_of(line.twin, beats)
-        assert not any(beat["data"] for beat in got)
+        assert any(beat["data"] for beat in got)
     pauses = bench.gaps_and_stalls(stall_rate)
     for _ in range(1 if big else 2):
         await line.load()
@@ -217,7 +218,7 @@ async def forgets_what_a_reset_interrupts(dut):
         line.twin.reset()
         got = await line.send(beats)
         assert got == expected_of(line.twin, beats)
-        assert not any(beat["data"] for beat in got)  # nothing is calibrated after a reset
+        assert any(beat["data"] for beat in got)  # with the preset gain again
 
 
 @bench.applies(lambda dut: length_of(dut) <= 500)
@@ -235,6 +236,32 @@ async def keeps_accepted_beats_while_the_output_is_stalled(dut):
         return clock % 200 < 120
 
     assert await line.send(beats, stalls=asleep, drain=100) == expected_of(line.twin, beats)
+
+
+@bench.applies(lambda dut: bench.whole(dut) and number(dut, "RowColumn") and length_of(dut) <= 500)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def an_upset_of_the_credit_is_over_when_the_block_is_empty(dut):
+    """Each bit of it while nothing is inside; and all of it used up while the output stalls: no beat is lost,
+    and the frames that follow are right and do not wait."""
+    line = await Stream().begin(dut)
+    owed = dut.gen_grid.owed
+    beats = line.samples(-(-60 // line.length))
+    for bit in range(len(owed)):
+        await bench.clocks(dut, 30)
+        owed.value = bench.read(owed) ^ 1 << bit
+        await bench.clocks(dut, 2)
+        assert await line.send(beats) == expected_of(line.twin, beats), bit
+    clock = 0
+
+    def asleep():
+        nonlocal clock
+        clock += 1
+        if clock == 50:
+            owed.value = 2 ** len(owed) - 1
+        return clock < 100
+
+    assert await line.send(beats, stalls=asleep, drain=100) == expected_of(line.twin, beats)
+    assert await line.send(beats) == expected_of(line.twin, beats)
 
 
 @bench.applies(lambda dut: length_of(dut) <= 5000)
@@ -262,6 +289,7 @@ EVIDENCE = {
     "mutants": {"sets": [1, 5]},
     "faults": {
         "size": {"Rows": 3},
+        "more": [{"Rows": 5, "RowColumn": 1}],
         "settle": 3,
         # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
         "driver": {"kept": "memory gains offsets rows bank loaded swapping"},
@@ -317,6 +345,19 @@ def test_model_in_frames_and_beats(row_column):
     beats = expected_of(twin, bench.lane_beats(raw, 2, 17, mask=np.broadcast_to(mask, raw.shape)))
     lanes = np.array([bench.lane_values(beat["data"], 2, 16) for beat in beats])
     assert np.array_equal(lanes.reshape(2, 3, 6)[:, :, :5], whole)
+
+
+def test_the_preset_by_hand():
+    """1.5 times the sample, at any size, until the first swap; by row and column 1.5 times 1.0."""
+    for row_column in (False, True):
+        twin = Calibrate(2, 3, 2, row_column=row_column)
+        assert not twin.next(np.full((1, 2, 3), 500)).any()
+        twin.table.preset = 6144
+        assert twin.next(np.array([[[7, -7, 500], [1, 60000, 3]]])).tolist() == [
+            [[11, 0, 750], [2, 65535, 5]]
+        ]
+        twin.swap()
+        assert not twin.next(np.full((1, 2, 3), 500)).any()  # nothing was written
 
 
 test_refuses_illegal_parameters = refusals(

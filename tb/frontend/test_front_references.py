@@ -10,7 +10,6 @@ from meissner.twins.frontend.acquire import Acquire
 from meissner.twins.frontend.adc_single import AdcSingle
 from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11124, MAX11125, MCP3208, AdcSpi
 from meissner.twins.frontend.am_demod import references
-from meissner.twins.frontend.calibrate import preset
 from meissner.twins.frontend.scan_plan import ScanPlan, Settings
 from meissner.twins.frontend.timing import time_stamps
 
@@ -116,13 +115,6 @@ def test_a_scan_by_hand():
     assert [c.switch for c in done if c.first] == [4, 208] and overrun == 2
     done, overrun = plan.schedule(Settings(settle=4, period=103), 330)
     assert [c.switch for c in done if c.first] == [4, 124, 313] and overrun == 1
-
-
-def test_a_preset_by_hand():
-    """3 x 5 in two lanes: three words a row; with rows and columns, three words, and three rows at 1.0."""
-    assert preset(3, 5, 2, 77) == [(False, word, 0, 77) for word in range(9)]
-    rows = [(True, row, 0, 4096) for row in range(3)]
-    assert preset(3, 5, 2, 77, row_column=True) == [(False, word, 0, 77) for word in range(3)] + rows
 
 
 def test_a_half_of_a_bit_is_no_clock_short():

@@ -348,6 +348,18 @@ async def lost_conversions_are_marked_and_frames_stay_whole(dut):
         lost = sum(any(code is None for code in codes.values()) for *_, codes in matrix.triggers)
         assert matrix.counts["lost"] == lost
     assert lost == len(matrix.triggers)
+    matrix = Matrix(dut, Settings())
+    matrix.lose = lambda conversion, lane: True
+    await matrix.start()
+    for start in bench.carries(dut.lost) if bench.whole(dut) else ():
+        dut.lost.value = now = start
+        for _ in range(4 * twin.slot(0) + 40):
+            await matrix.run(1)
+            before, now = now, counts(dut)["lost"]
+            assert (now - before) % 2**32 <= 1
+            if now != start:
+                break
+        assert now != start
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")

@@ -342,10 +342,8 @@ EVIDENCE = {
         "size": {"Rows": 3, "Columns": 3},
         "driver": {
             "free": 40000,
-            # What a scan copied when it was enabled, until it is disabled.
-            "kept": "settle_q period_q",
             # Counters up to a scan's next row and frame.
-            "late": "left_q count_q",
+            "late": "since_q count_q rest_q",
             "part": 1,
         },
     },

@@ -84,7 +84,14 @@ def stalls(kind, draw):
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     inputs = {f"in_{name}_i": 0 for name in ("interleave", "data")}
-    await bench.turn_over(dut, "dropped_o", wiggled=["in_valid_i", "in_first_i"], **inputs)
+    await bench.turn_over(dut, "dropped_o", wiggled=["in_valid_i", "in_first_i"], again=False, **inputs)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    await bench.start(dut, in_interleave_i=0, in_data_i=0, in_first_i=0)
+    await bench.counts_on(dut, "dropped_o", strobe="turned_away")
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
@@ -185,6 +192,38 @@ async def room_ends_when_exactly_two_conversions_fit(dut):
         for _ in range(6):
             await run.tick()
         assert run.room == (count < last), count
+
+
+@bench.applies(lambda dut: bench.whole(dut) and not twin_of(dut).sorts)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def an_upset_of_the_room_never_stops_the_scan(dut):
+    """Each bit of the count of used places, between frames and inside one: a sender that obeys room_o ends
+    the frame, and the next one is whole."""
+    twin, draw = twin_of(dut), random.Random(bench.SEED)
+    await start(dut)
+    run = Bench(dut, lambda: False)
+    used = dut.gen_part.used_q
+    length = twin.rows * twin.beats
+    for at in (None, 0, length // 2, length - 1):
+        for bit in range(len(used)):
+            for upset in (True, False):
+                frame, run.beats = random_frame(draw, twin), []
+                for _ in range(20):
+                    await run.tick()
+                for index, word in enumerate(frame[0]):
+                    if upset and index == (at or 0):
+                        used.value = bench.read(used) ^ 1 << bit
+                        for _ in range(20 if at is None else 0):
+                            await run.tick()
+                    waited = 0
+                    while not run.room:
+                        await run.tick()
+                        waited += 1
+                        assert waited < 4 * twin.depth, (at, bit)
+                    await run.tick(word, frame if index == 0 else None)
+                for _ in range(length + 20):
+                    await run.tick()
+                assert [beat[1:] for beat in run.beats] == twin.frame(*frame), (at, bit, upset)
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")

@@ -261,10 +261,8 @@ EVIDENCE = {
         "settle": 2,
         "driver": {
             "free": 60000,
-            # What a scan copied when it was enabled, until it is disabled.
-            "kept": "settle_q period_q",
             # Counters up to a scan's next row and frame.
-            "late": "left_q count_q",
+            "late": "since_q count_q rest_q",
             "part": 5,
             "carrier": 2,
         },

@@ -5,6 +5,7 @@ short) in both orders; settle 0 and the maximum; registers that change during a 
 enable; reset.
 """
 
+import itertools
 import random
 from dataclasses import replace
 
@@ -91,7 +92,16 @@ def agree(plan, settings, clocks, switches, triggers):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "overrun_o", "held_o", wiggled=["room_i"], cfg_enable_i=1)
+    await bench.turn_over(dut, "overrun_o", "held_o", wiggled=["room_i"], again=False, cfg_enable_i=1)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    """A tick in each clock, and a buffer that has no room."""
+    await bench.start(dut, cfg_enable_i=1, cfg_settle_i=1, cfg_period_i=1, cfg_interleave_i=0, room_i=1)
+    await bench.counts_on(dut, "overrun_o")
+    await bench.counts_on(dut, "held_o", room_i=0)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -127,25 +137,28 @@ async def a_period_of_many_clocks_is_exact(dut):
     assert bench.read(dut.overrun_o) == 0
 
 
+@bench.applies(bench.whole)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def every_bit_of_a_period_is_counted(dut):
-    """The remaining count of a period, read inside the block: 32 bits would take too long to wait for."""
+    """The clocks since a tick are put close to the period, where they pass every bit: 32 bits would take too
+    long to wait for. An upset of them costs one tick at most."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     bits = plan.period_bits
-    lone = [(1 << bit) + 1 for bit in range(6, bits)]  # a clock later only this bit remains
+    lone = [(1 << bit) + 1 for bit in range(6, bits)]
     some = [draw.getrandbits(bits) | 1 << bits - 1 for _ in range(3 * bits)]
     for period in [*lone, *some]:
         await begin(dut, Settings(period=period))
         dut.cfg_enable_i.value = 1
-        left = []
-        for _ in range(START + 12):
+        await bench.clocks(dut, START + 12)
+        dut.since_q.value = period - 3
+        seen = []
+        for _ in range(7):
             await ReadOnly()
-            left.append(bench.read(dut.left_q))
+            seen.append((bench.read(dut.since_q), bench.read(dut.zero_q)))
             await RisingEdge(dut.clk_i)
-        begun = left.index(period - 1)
-        assert begun <= START + 2
-        assert left[begun:] == list(range(period - 1, period - 1 - len(left) + begun, -1))
+        first = [since for since, _ in seen].index(period - 2)
+        assert seen[first:][:4] == [(period - 2, 0), (period - 1, 0), (period, 1), (1, 0)], period
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -166,32 +179,68 @@ async def largest_settle_and_no_settle(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def registers_change_between_frames_only(dut):
-    """An order changed inside a frame applies to the next frame; settle and period wait until it is
-    disabled."""
+    """Order, settle and period changed inside a frame apply to the next one, also if its first conversion
+    needs more or less time before it; its period counts from the frame before."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     for interleave in (False, True):
         for _ in range(10):
-            old = Settings(settle=random_settings(draw, plan).settle, interleave=interleave)
-            slot, size = plan.slot(old.settle), len(plan.places())
-            new = Settings(old.settle ^ 1, size * slot + 7, not interleave)
-            if size * slot > 20_000:
+            old, new = (random_settings(draw, plan).settle for _ in range(2))
+            slot, size, after = plan.slot(old), len(plan.places()), draw.choice((0, 7, 300))
+            if size * max(slot, plan.slot(new)) > 20_000:
                 continue
-            await begin(dut, old)
+            second = START + (size - 1) * slot + max(old + 1 + plan.gap(new), 4)  # 4: to the frame's end
+            period = (second - START + after) % (1 << plan.period_bits) if after else 0
+            second += after
+            await begin(dut, Settings(old, 0, interleave))
             dut.cfg_enable_i.value = 1
-            # The last clock in time is that of the next frame's first switch.
-            second = START + size * slot
-            moment = draw.choice([second, draw.randrange(START + 1, second)])
-            switches, triggers = await watch(
-                dut, second + size * slot, moment, lambda new=new: apply(dut, new)
-            )
-            places = [(row, group) for _, row, group in switches]
-            assert places == plan.places(interleave) + plan.places(not interleave), (old, moment - second)
-            assert [clock for clock, *_ in switches] == list(range(START, second + size * slot, slot))
+            change = Settings(new, period, not interleave)
+            moment = draw.randrange(START + 1, START + (size - 1) * slot + 2)
+            clocks = second + (size - 1) * plan.slot(new) + 1
+            switches, triggers = await watch(dut, clocks, moment, lambda new=change: apply(dut, new))
+            due = [START + n * slot for n in range(size)] + [second + n * plan.slot(new) for n in range(size)]
+            places = plan.places(interleave) + plan.places(not interleave)
+            assert switches == [(clock, *place) for clock, place in zip(due, places)], (old, new, moment)
+            settles = [old] * size + [new] * size
+            told = [clock + 1 + settle for clock, settle in zip(due, settles)]
+            assert [clock for clock, *_ in triggers] == [clock for clock in told if clock < clocks - 1]
             if plan.rows > 1:
-                told = [int(interleave)] * size + [int(not interleave)] * size
-                assert [order for *_, order in triggers] == told[: len(triggers)]
+                orders = [int(interleave)] * size + [int(not interleave)] * size
+                assert [order for *_, order in triggers] == orders[: len(triggers)]
             await RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def triggers_keep_their_distance_whatever_changes(dut):
+    """Settle, period, order, room and enable change at random clocks: triggers are never less than Cycle
+    clocks apart, every conversion settles for a time that was set, and the scan is alive afterwards."""
+    plan = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    await begin(dut, Settings(3))
+    seen, settles, switch, put = [], set(), None, set()
+    for clock in range(12_000):
+        if draw.random() < 0.05:
+            settings = Settings(draw.choice([0, 1, 2, 5, draw.randrange(40)]), draw.choice([0, 0, 9, 300]))
+            put.add(settings.settle)
+            apply(dut, replace(settings, interleave=draw.random() < 0.5))
+        if draw.random() < 0.01:
+            dut.cfg_enable_i.value = draw.randrange(2)
+        dut.room_i.value = int(draw.random() < 0.9)
+        await ReadOnly()
+        if dut.trigger_o.value == 1:
+            seen.append(clock)
+            settles.add(clock - switch - 1)
+        if dut.switch_o.value == 1:
+            switch = clock
+        await RisingEdge(dut.clk_i)
+    apart = [later - one for one, later in itertools.pairwise(seen)]
+    assert min(apart) >= plan.cycle and len(seen) > 50
+    assert settles <= put | {3} and len(settles) > 3
+    apply(dut, Settings(2))
+    dut.cfg_enable_i.value = dut.room_i.value = 1
+    await bench.clocks(dut, 2 * plan.slot(40) * len(plan.places()) + 600)
+    switches, _ = await watch(dut, 3 * plan.slot(2))
+    assert [later - one for (one, *_), (later, *_) in itertools.pairwise(switches)] == [plan.slot(2)] * 2
 
 
 @bench.applies(lambda dut: twin_of(dut).rows > 2)

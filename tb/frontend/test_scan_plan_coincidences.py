@@ -5,6 +5,8 @@ Settle 2: gap = max(7, 20 - 1 - 2) = 17; a slot has 2 + 1 + 17 = 20 clocks, a fr
 180. The first switch is 4 clocks after enable.
 """
 
+import itertools
+
 import cocotb
 
 import bench
@@ -17,9 +19,9 @@ PLACES = [(row, group) for row in range(3) for group in range(3)]
 FIRST, SLOT, FRAME = 4, 20, 180
 
 
-async def scene(dut, clocks, room=(), enabled=None, **settings):
+async def scene(dut, clocks, room=(), enabled=None, changes=None, **settings):
     """(clock, row, group) of every switch, and the counts. ``room``: clocks without room; ``enabled``: number
-    of clocks with enable."""
+    of clocks with enable; ``changes``: {clock: Settings}."""
     apply(dut, Settings(settle=2, **settings))
     dut.cfg_enable_i.value, dut.room_i.value = 0, 1
     await bench.reset(dut)
@@ -28,6 +30,8 @@ async def scene(dut, clocks, room=(), enabled=None, **settings):
     for clock in range(clocks):
         dut.cfg_enable_i.value = int(enabled is None or clock < enabled)
         dut.room_i.value = int(clock not in room)
+        if clock in (changes or {}):
+            apply(dut, changes[clock])
         await bench.ReadOnly()
         if dut.switch_o.value == 1:
             switches.append((clock, bench.read(dut.switch_row_o), bench.read(dut.switch_group_o)))
@@ -38,7 +42,10 @@ async def scene(dut, clocks, room=(), enabled=None, **settings):
     counts = tuple(bench.read(getattr(dut, f"{name}_o")) for name in ("overrun", "held"))
     idle = bench.read(dut.idle_o)
     await bench.RisingEdge(dut.clk_i)
-    assert triggers == [clock + 3 for clock, *_ in switches if clock + 3 < clocks]
+    if changes:
+        assert min(later - one for one, later in itertools.pairwise(triggers)) >= SIZE["Cycle"]
+    else:
+        assert triggers == [clock + 3 for clock, *_ in switches if clock + 3 < clocks]
     return switches, counts, idle
 
 
@@ -109,6 +116,38 @@ async def room_falls_around_a_switch(dut):
     for start in (403, 404, 405, 430):
         switches, counts, _ = await scene(dut, 480, room=range(203, start), period=200)
         assert switches == frames(4, start, until=480) and counts == (1, start - 204), start
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def a_setting_is_in_force_from_the_clock_after_on(dut):
+    """Settle, period or both changed in a clock around the start of the second frame: a change up to the
+    clock before it counts, a later one for the third. Triggers of settle 5 and 0 after the last one at 167 are
+    20 clocks apart: switches at 167 + 14 and 167 + 19."""
+    await begin(dut)
+
+    async def starts(before, *changes, clocks=700):
+        switches, counts, _ = await scene(dut, clocks, changes=dict(changes), period=before)
+        assert counts[1] == 0
+        return [clock for clock, row, group in switches if (row, group) == (0, 0)]
+
+    for at, second in ((10, 181), (167, 181), (180, 181), (181, 182), (182, 183), (183, 184), (184, 184)):
+        assert (await starts(0, (at, Settings(settle=5))))[1] == second, at
+    for at, second in ((10, 186), (183, 186), (184, 184), (185, 184)):
+        assert (await starts(0, (at, Settings(settle=0))))[1] == second, at
+    # By ticks: settle changes nothing but the trigger.
+    for at in (190, 203, 204):
+        assert await starts(200, (at, Settings(settle=5, period=200))) == [4, 204, 404, 604], at
+    # A period from back to back: of the frame before, or at once if that is over; then every 230 clocks.
+    for at in (10, 100, 166):
+        assert await starts(0, (at, Settings(settle=2, period=230))) == [4, 234, 464, 694], at
+    assert await starts(0, (184, Settings(settle=2, period=230))) == [4, 184, 414, 644]
+    # A long wait ends: to back to back two clocks later, to a period that is over, and to one that is not.
+    assert (await starts(9000, (300, Settings(settle=2)), clocks=400)) == [4, 301]
+    assert (await starts(9000, (300, Settings(settle=2, period=250)), clocks=600)) == [4, 302, 552]
+    assert (await starts(9000, (210, Settings(settle=2, period=250)), clocks=600)) == [4, 254, 504]
+    assert (await starts(9000, (251, Settings(settle=2, period=250)), clocks=600)) == [4, 254, 504]
+    # A wait becomes longer, up to the clock before the one in which the tick is decided.
+    assert (await starts(200, (201, Settings(settle=2, period=300)), clocks=700)) == [4, 304, 604]
 
 
 def test_scan_plan_coincidences():

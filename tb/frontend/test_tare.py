@@ -77,6 +77,37 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "swallowed_count", wraps=False)
 
 
+@bench.applies(lambda dut: length_of(twin_of(dut)) < 100 and bench.whole(dut))
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+async def each_counter_counts_from_any_value(dut):
+    """An averaging that is done, one that is refused because something presses, a frame that is swallowed."""
+    twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
+    settings = await begin(dut, contact=20, step=0)
+    quiet = [beat | {"data": 0} for beat in frames_of(rng, twin, 1, press=0)]
+    pressed = [
+        beat | {"data": bench.lane_word([99] * twin.lanes, twin.sample_bits), "mask": 0} for beat in quiet
+    ]
+    length = quiet * (2 << twin.tare_log2)
+    for name, beats, change in (
+        ("tared", length, {"average": 1}),
+        ("refused", pressed * 2, {"average": 1}),
+        ("swallowed", quiet, {"load": 1}),
+    ):
+        port = getattr(dut, f"{name}_count")
+        for start in bench.carries(port):
+            await bench.stream(dut, quiet if name == "tared" else pressed, FIELDS, drain=12)
+            port.value = start
+            if name == "swallowed":
+                settings.put(**change)
+                await bench.clocks(dut, 2)
+            else:
+                await settings.pulse(dut.clk_i, **change)
+            await bench.stream(dut, beats, FIELDS, drain=12)
+            found = members.of("tare_status", bench.read(dut.status_o))
+            assert found[name] == (start + 1) % (1 << len(port)), (name, start, found)
+            settings.put(load=0)
+
+
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4], damage=[False, True])
 async def matches_model(dut, stall_rate, damage):

@@ -6,6 +6,7 @@ alone, as a shell does.
 """
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -51,6 +52,35 @@ def meissner(*arguments, cwd="."):
             path.touch()
         process = _forkserver().Process(target=_run, args=(arguments, str(cwd), streams))
         process.start()
-        process.join()
+        try:
+            process.join()
+        finally:
+            process.kill()  # if the test's time is over; multiprocessing would wait for it at the end
         out, err = (path.read_text("utf-8") for path in streams)
     return subprocess.CompletedProcess(arguments, process.exitcode, out, err)
+
+
+def started(*arguments, **more):
+    """The Popen of a command, as a shell starts it in the foreground: a background job ignores Ctrl-C and
+    passes that on to its children."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return subprocess.Popen([sys.executable, "-m", "meissner.cli", *map(str, arguments)], **more)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def ended(seen, *arguments):
+    """(exit code, lines of stdout, stderr) of a command that gets Ctrl-C once ``seen(lines)`` is true."""
+    lines = []
+    with started(*arguments, stdout=-1, stderr=-1, text=True) as child:
+        try:
+            while not seen(lines):
+                text = child.stdout.readline()
+                assert text, (lines, child.stderr.read())
+                lines.append(text.removesuffix("\n"))
+            child.send_signal(signal.SIGINT)
+            out, err = child.communicate()
+        finally:
+            child.kill()
+    return child.returncode, [*lines, *out.splitlines()], err

@@ -14,6 +14,7 @@ import fcntl
 import inspect
 import json
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -28,6 +29,7 @@ from meissner.builds import toolchain
 
 INSTANCE = "MEISSNER_INSTANCE"  # the instance that a simulation's tests take for the top
 SERVE = "MEISSNER_SERVE"  # the file descriptor over which a simulator is asked to run tests
+PR_SET_PDEATHSIG = 1  # of linux/prctl.h
 MOST = 12  # parameter sets in a build: a build is one compiler process
 LARGE = 80_000  # bytes of RTL from which a block is built alone: several take as long in one build
 
@@ -139,9 +141,12 @@ class Server:
         return cls.last
 
     @classmethod
-    def stop(cls):
+    def stop(cls, at_once=False):
+        """End it, after the simulation that may be under way or ``at_once``."""
         if cls.last:
             cls.last.socket.shutdown(socket.SHUT_RDWR)
+            if at_once:
+                cls.last.process.kill()
             cls.last.process.wait()
             cls.last.lines.close()
             cls.last.socket.close()
@@ -155,6 +160,9 @@ class Server:
             said = self.lines.readline()
         except OSError:
             said = ""
+        except BaseException:  # the test's time is over, or Ctrl-C: the simulation may never end
+            Server.stop(at_once=True)
+            raise
         if not said:
             Server.stop()
             return "no answer"
@@ -165,8 +173,10 @@ atexit.register(Server.stop)
 
 
 def _end_without_threads():
-    """Let a forked process end: Verilator's runtime would wait for a thread that only its parent has."""
+    """Let a forked process end: with its parent, and though Verilator's runtime would wait for a thread that
+    only its parent has."""
     library = ctypes.CDLL(None)
+    library.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     library.on_exit(library._exit, None)  # with the simulator's status, before any destructor
     library.on_exit(library.fcloseall, None)  # before that: the last registered is called first
 

@@ -8,7 +8,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
 from harness import icarus
-from harness.applicable import applies
+from harness.applicable import applies, whole
 from harness.runner import ONES, SIM
 from harness.stimulus import SEED, as_signed, force_beats
 
@@ -143,6 +143,7 @@ async def turn_over(
     span=40,
     wiggled=("in_valid_i", "in_last_i"),
     wraps=True,
+    again=True,
     beside=(),
     still=(),
     **inputs,
@@ -151,8 +152,8 @@ async def turn_over(
 
     Runs before any reset, when registers start as ones and so do the counters (a counter that this build
     lacks reads 0): in each clock a counter grows by at most ``most``, whatever the inputs, and if ``wraps``,
-    it must leave its greatest value within ``span`` clocks. With random initial values it counts
-    from there. Must be the first test of all (``stage=-1``), declared ``starts_known``. ``wiggled``:
+    it must leave its greatest value within ``span`` clocks; and ``again`` each value of ``carries``, unless its
+    events do not recur: then another test uses ``counts_on``. With random initial values it counts from there. Must be the first test of all (``stage=-1``), declared ``starts_known``. ``wiggled``:
     inputs driven at random; ``inputs``: values of other inputs; ``beside``: register outputs of which only
     the initial value is checked; ``still``: counters that need not wrap, as their events may not occur, but
     are checked otherwise.
@@ -170,6 +171,7 @@ async def turn_over(
         value, top = read(getattr(dut, name)), (1 << len(getattr(dut, name))) - 1
         assert not ones or value in (0, top), f"{name} begins with {value:x}"
     Clock(dut.clk_i, 10, unit="ns").start()
+
     for clock in range(span):
         await RisingEdge(dut.clk_i)
         await ReadOnly()
@@ -183,6 +185,43 @@ async def turn_over(
     for counter, at_first, at_last, top in zip(counters, first, before, tops):
         assert not wraps or at_first != top or at_last != top, f"{counter} did not turn over"
     await RisingEdge(dut.clk_i)
+    if ones and wraps and again and whole(dut):
+        here = [counter for counter, value in zip(counters, first) if value]
+        await counts_on(dut, *here, most=most, span=span, wiggled=wiggled)
+
+
+async def counts_on(dut, *counters, most=1, span=400, wiggled=(), strobe=None, **inputs):
+    """Put each of ``carries`` into each counter: with these inputs it must count on from there within ``span``
+    clocks, by at most ``most`` in a clock. ``strobe``: the block's register that makes it count, set each time."""
+    draw = random.Random(SEED)
+    for name, value in inputs.items():
+        getattr(dut, name).value = value
+    for counter in counters:
+        port, top = getattr(dut, counter), (1 << len(getattr(dut, counter))) - 1
+        for start in carries(port):
+            await FallingEdge(dut.clk_i)
+            port.value = now = start
+            if strobe:
+                getattr(dut, strobe).value = 1
+            for _ in range(span):
+                for name in wiggled:
+                    getattr(dut, name).value = draw.getrandbits(1)
+                await RisingEdge(dut.clk_i)
+                await ReadOnly()
+                before, now = now, read(port)
+                assert (now - before) & top <= most, f"{counter}: {before:x} -> {now:x}"
+                if now != start:
+                    break
+                await FallingEdge(dut.clk_i)
+            assert now != start, f"{counter} does not leave {start:x}"
+    await RisingEdge(dut.clk_i)
+
+
+def carries(port):
+    """Values at which a counter that is narrower than ``port``, or loses a carry, counts wrong: 2^k - 1 for
+    each k, where all k bits change, and random ones."""
+    draw = random.Random(SEED)
+    return [(2 << k) - 1 for k in range(len(port))] + [draw.getrandbits(len(port)) for _ in range(4)]
 
 
 def offer(dut, beat):

@@ -180,6 +180,8 @@ rng = np.random.default_rng(1)
 CODES = rng.integers(0, 4096, (4, 2, 3))
 KNOWN = {"offset": CODES[0], "gain": CODES[1], "gain_shift": 12, "dead": CODES[0] > 3000}
 KNOWN |= {"force_lsb_n": 1e-3}
+KNOTS = np.where(CODES[0] > 900, np.nan, np.linspace(0.0, 8.0, 5)[:, None, None])
+BENT = KNOWN | {"knot_codes": 100 * KNOTS, "knot_n": KNOTS}
 PRESS = {"codes": CODES, "force_n": np.array([1.0, 2, 0, 3])}
 PRESS |= {"probed": np.array([[0, 0], [1, 2], [-1, -1], [0, 1]])}
 KINDS = ("i1", "u8", "f2", "f8", "?", "U3", "c8", "O", "M8[s]")
@@ -224,7 +226,8 @@ def archives(draw, data):
             if kind == 0:
                 continue
             if kind == 1:
-                array = array.astype(draw(st.sampled_from(KINDS)))
+                with np.errstate(invalid="ignore"):  # a NaN as an integer
+                    array = array.astype(draw(st.sampled_from(KINDS)))
             elif kind == 2:
                 array = array.ravel()[: draw(st.integers(0, array.size))]
             elif kind == 3:
@@ -294,12 +297,12 @@ def read_log(path):
 
 READERS = {  # reader: (examples, its files)
     read_config: (300, toml_or_bytes(CONFIGS)),
-    scenes.read: (100, toml_or_bytes([scenes.source(name) for name in scenes.names()])),
+    scenes.load: (100, toml_or_bytes([scenes.source(name) for name in scenes.names()])),
     read_recording: (
         300,
         st.one_of(of(".npz", packed(PRESS)), of(".npy", packed(CODES.astype(np.int16))), of(".csv", TABLE)),
     ),
-    calibration.load: (200, of(".npz", packed(KNOWN))),
+    calibration.load: (300, st.one_of(of(".npz", packed(KNOWN)), of(".npz", packed(BENT)))),
     read_log: (120, st.one_of(of(".npz", logged("npz")), of(".mcap", logged("mcap")))),
 }
 

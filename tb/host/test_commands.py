@@ -2,19 +2,19 @@
 pty: output on a terminal and in a pipe, exit codes, Ctrl-C, one sentence for bad input, no incomplete
 files."""
 
+import contextlib
 import os
 import pty as ptys
 import re
-import select
 import signal
-import subprocess
-import sys
 import termios
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from harness.command import ended, started
 from meissner import cli, engines, host
 from meissner.builds import config, toolchain
 from meissner.host import line, log, packets, view
@@ -44,16 +44,6 @@ def meissner(capsys, monkeypatch, tmp_path):
 def port():
     with Pty(of_scenes(speed="10")) as pty:
         yield pty
-
-
-def started(*arguments, **more):
-    # A shell's background job ignores Ctrl-C and passes that on to its children; this restores a terminal's
-    # state.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        return subprocess.Popen([sys.executable, "-m", "meissner.cli", *map(str, arguments)], **more)
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def test_regs_reads_and_writes(meissner, port):
@@ -130,10 +120,11 @@ def test_regs_in_physical_units(meissner, tmp_path):
         )
 
 
-def test_live_in_a_pipe(meissner, port):
-    code, out, err = meissner("live", port.url, "--seconds", 1.3)
-    assert (code, err) == (0, "")
-    lines = out.splitlines()
+def test_live_in_a_pipe(port):
+    slip = "slip, channel 0, incipient, peak-to-peak"
+    both = lambda lines: slip in "\n".join(lines) and " load " in lines[-1]
+    code, lines, err = ended(both, "live", port.url)
+    assert (code, err) == (0, "meissner: stopped\n")
     assert any("slip, channel 0, incipient, peak-to-peak" in text for text in lines)
     full = [text for text in lines if text.startswith(("x ", "not pressed"))]
     assert "load" in full[-1] and " 0 lost, 0 damaged" in full[-1]
@@ -146,16 +137,17 @@ def test_live_on_a_terminal(port):
     termios.tcsetwinsize(theirs, (50, 100))
     environment = {**os.environ, "TERM": "xterm-256color"}
     shown = bytearray()
-    with started("live", port.url, "--seconds", 1.2, stdout=theirs, stderr=theirs, env=environment) as child:
-        while child.poll() is None:
-            if select.select([ours], [], [], 0.1)[0]:
-                shown += os.read(ours, 65536)
-    os.close(theirs)
+    parts = ("slip, ", "incipient", "centre of pressure", "load", "25×5", "packets/s", "█")
+    with started("live", port.url, stdout=theirs, stderr=theirs, env=environment) as child:
+        os.close(theirs)
+        while not all(part.encode() in shown for part in parts):
+            shown += os.read(ours, 65536)  # OSError if the command has ended
+        child.send_signal(signal.SIGINT)
+        with contextlib.suppress(OSError):
+            while os.read(ours, 65536):
+                pass
     os.close(ours)
-    text = shown.decode(errors="replace")
     assert child.returncode == 0
-    for part in ("slip, ", "incipient", "centre of pressure", "load", "25×5", "packets/s", "█"):
-        assert part in text, part
 
 
 def test_live_says_when_the_line_goes(meissner, tmp_path):
@@ -163,7 +155,7 @@ def test_live_says_when_the_line_goes(meissner, tmp_path):
     model = SimulatedCore()
     first = Pty(model)
     link.symlink_to(first.path)
-    command = started("live", f"pty:{link}", "--seconds", 30, stdout=-1, stderr=-1, text=True)
+    command = started("live", f"pty:{link}", stdout=-1, stderr=-1, text=True)
     with command as child:
         assert "packets/s" in child.stdout.readline()
         link.unlink()  # first, because the number may be reused
@@ -175,18 +167,20 @@ def test_live_says_when_the_line_goes(meissner, tmp_path):
             while " 1 gaps" not in (text := child.stdout.readline()):
                 assert text
             child.send_signal(signal.SIGINT)
-            assert child.wait(10) == 0
-            assert " 0 packets/s" not in child.stdout.read().splitlines()[-1]
+            assert " 0 packets/s" not in child.communicate()[0].splitlines()[-1]
+            assert child.returncode == 0
 
 
 def test_log_and_replay(meissner, port):
     for name in ("a.mcap", "a.npz"):
-        code, out, err = meissner("log", port.url, "--out", name, "--seconds", 0.6)
-        assert (code, err) == (0, "")
+        code, out, err = stopped(
+            started("log", port.url, "--out", name, stdout=-1, stderr=-1, text=True), name
+        )
+        assert (code, err) == (0, "meissner: stopped\n")
         rows = {key: len(a) for key, a in log.read(name).items() if key.endswith("_ns") and a.ndim}
         del rows["slip_ns"]  # those are among the changes
         assert int(out.split()[0]) == sum(rows.values()) > 0 and " 0 lost, 0 damaged" in out
-        code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz")
+        code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz", "--overwrite")
         assert (code, err) == (0, "")
         assert "of 25×5 on engine fixed" in out and ", of which 0 differ; out.npz" in out
         count = len(log.read(name)["change_time"])
@@ -198,22 +192,30 @@ def test_log_and_replay(meissner, port):
         again = engines.process_cop(found["image"], "fixed", int(found["min_load"]))
         assert all(np.array_equal(result[field], again[field]) for field in again)
         assert result["logged"][1:].all()  # the first one's CoP may have come before the log began
-        code, out, _ = meissner("replay", name, "--min-load", 1 << 20, "--out", "out.npz")
+        code, out, _ = meissner("replay", name, "--min-load", 1 << 20, "--out", "out.npz", "--overwrite")
         assert code == 0 and "(at most: x " in out and "pressed 1" in out
+
+
+def stopped(command, name, which=signal.SIGINT):
+    """(exit code, stdout, stderr) of a command that logs and gets a signal once it has kept two images."""
+    spool = Path(f"{name}.part.{'rows' if str(name).endswith('.npz') else 'mcap'}")
+    with command as child:
+        kept = 0
+        while kept < 2:
+            assert child.poll() is None, child.communicate()
+            time.sleep(0.02)
+            with contextlib.suppress(ValueError):  # it has not begun
+                kept = len(log.read(spool)["image"])
+        child.send_signal(which)
+        out, err = child.communicate()
+    return child.returncode, out, err
 
 
 @pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
 def test_log_that_is_stopped_is_whole(port, tmp_path, which):
     command = started("log", port.url, "--out", tmp_path / "a.mcap", stdout=-1, stderr=-1, text=True)
-    with command as child:
-        while not (tmp_path / "a.mcap.part.mcap").exists():  # wait until it logs
-            assert child.poll() is None
-            time.sleep(0.01)
-        while (tmp_path / "a.mcap.part.mcap").stat().st_size < 20_000:
-            time.sleep(0.01)
-        child.send_signal(which)
-        out, err = child.communicate(timeout=20)
-    assert child.returncode == 0 and "stopped" in err and "packets of" in out
+    code, out, err = stopped(command, tmp_path / "a.mcap", which)
+    assert code == 0 and "stopped" in err and "packets of" in out
     assert len(log.read(tmp_path / "a.mcap")["cop_time"]) > 0
     assert [path.name for path in tmp_path.iterdir()] == ["a.mcap"]
 
@@ -239,8 +241,8 @@ def test_a_core_without_registers_is_listened_to(meissner):
         assert code == 2 and "sends packets but does not answer" in err and "only be listened to" in err
     model.restart()
     with Pty(model) as pty:
-        code, out, _ = meissner("live", pty.url, "--listen", "--seconds", 0.2)
-        assert code == 0 and "5 slip events" in out
+        code, lines, _ = ended(lambda lines: len(lines) == 5, "live", pty.url, "--listen")
+        assert code == 0 and "5 slip events" in lines[-1]
 
 
 def test_live_shows_the_slip_of_a_build_without_registers(meissner):
@@ -248,7 +250,7 @@ def test_live_shows_the_slip_of_a_build_without_registers(meissner):
     with host.connect("core:slip1") as core:
         assert core.registers is False
         shown = view.View(core)
-        for item in core.packets(300.0):
+        for item in core.packets():
             told = shown.add(item)
             if isinstance(item, packets.SlipEvent):
                 break
@@ -280,7 +282,7 @@ def test_live_takes_a_users_configuration(meissner, tmp_path):
             5,
             core.units.clk_khz,
         )
-        images = (item for item in core.packets(300.0) if isinstance(item, packets.Image))
+        images = (item for item in core.packets() if isinstance(item, packets.Image))
         assert next(images).taxels.shape == (2, 5)
 
 

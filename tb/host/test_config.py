@@ -9,6 +9,7 @@ from itertools import product
 from math import floor
 from typing import get_args
 
+import msgspec
 import pytest
 
 from meissner import scenes
@@ -17,6 +18,11 @@ from meissner.builds.slip_table import SlipOfScene, SlipVolts
 from meissner.builds.toolchain import ROOT
 from meissner.twins.frontend.adc_spi import AdcSpi
 from meissner.twins.slip.config import SAMPLE_BITS
+
+
+def tables(name):
+    return tomllib.loads((config.FOLDER / f"{name}.toml").read_text())
+
 
 CHANNELS = {
     "about": "ends",
@@ -35,10 +41,12 @@ ARRAY = {
     "adc": {"part": "AD7606", "volts": 10.0, "rate_hz": 100.0, "converters": 2, "channels": 3},
     "array": {"newtons_per_count": 0.0037, "pitch_mm": 3.3},
 }
-
-
-def tables(name):
-    return tomllib.loads((config.FOLDER / f"{name}.toml").read_text())
+LEVEL_2 = CHANNELS | {"slip": CHANNELS["slip"] | {"level": 2}}
+RISES = CHANNELS | {
+    "slip": CHANNELS["slip"] | {"contact_rises": True, "contact_level_v": 1.5, "release_level_v": 1.0}
+}
+HEALTHY = ARRAY | {"array": {"health": True}, "health": {"blink": 120}}
+SHEARED = tables("grip") | {"shear_speed": {}}
 
 
 def read(base, table=None, **change):
@@ -153,10 +161,12 @@ def test_the_other_tables_of_scenes_have_the_builds_keys():
 
 @pytest.mark.parametrize("case", sorted((ROOT / "tb/cases").glob("*.toml")), ids=lambda path: path.stem)
 def test_the_configurations_that_went_wrong_are_read(case):
-    build = config.load(case)
-    assert build.parameters and build.units
-    if case.stem == "h9_grip_20V":
-        assert build.settings["slip.threshold"] == 23_170  # 20 · 819.2 · sqrt(2) = 23170.5
+    if case.stem == "h9_grip_20V":  # 20 · 819.2 · sqrt(2) = 23170.5
+        with pytest.raises(ValueError, match=r"\[slip\]: threshold_p2p_v: 20 V are 23170 codes .* 8190, "):
+            config.load(case)
+    else:
+        build = config.load(case)
+        assert build.parameters and build.units
 
 
 @pytest.mark.parametrize(
@@ -214,8 +224,8 @@ def test_levels_that_undo_each_other_are_refused(name, key, good, bad):
     [
         # A conversion takes 20 bits of 26 clocks, plus one clock: 25 MHz / 521 and / 520.
         (CHANNELS, 25.0, "adc", "rate_hz", 47_984.6, 48_076.9),
-        # 24 bits: 25 MHz / 16777215 and / 16777216.
-        (CHANNELS, 25.0, "adc", "rate_hz", 1.4901162, 1.49011612),
+        # 24 bits: 200 MHz / 16777215 and / 16777216.
+        (CHANNELS, 200.0, "adc", "rate_hz", 11.92093, 11.920928),
         # 32 bits for an array: 25 MHz / 4294967295 is 0.0058207661 Hz.
         (ARRAY, 25.0, "adc", "rate_hz", 0.00582077, 0.00582076),
         # A place takes 106 clocks of conversion, 3, and 49 bits of 2, but at least the watchdog's 256 + 7;
@@ -231,21 +241,74 @@ def test_levels_that_undo_each_other_are_refused(name, key, good, bad):
         ("fingertip", None, "link", "baud", 1_080_380, 1_080_379),
         # 1400 packets, and 64 of 3 + 8 + 5 + 128 + 4 = 148 bytes.
         ("full", None, "link", "baud", 472_720, 472_719),
-        # 9 taxels, 16 + 4 bits, 2 mN: 1048575 codes are 2097.15 N.
-        ("fingertip", None, "cop", "min_load_n", 2097.15, 2097.151),
-        # Serial, 13 + 1 bits: 16383 codes of 5/4096 V are 16383·5/4096/sqrt(2) = 14.14127 V.
-        ("slip1", None, "slip", "gross_threshold_p2p_v", 14.1412, 14.1422),
+        # With the largest gain, 65535/4096, the 4095 codes of a taxel are 65519 of force: 9 · 65519 · 2 mN.
+        ("fingertip", None, "cop", "min_load_n", 1179.342, 1179.343),
+        # A detail of level 1 lies in -4095 .. 4095: 8190·5/4096/sqrt(2) = 7.069342 V.
+        ("slip1", None, "slip", "gross_threshold_p2p_v", 7.06934, 7.06935),
+        (LEVEL_2, None, "slip", "gross_threshold_p2p_v", 6.59838, 6.59839),  # 4 · 4095 · 3.3 / 4096 / 2
+        # 65519 codes of 2 mN, and a peak to peak of twice as many.
+        ("fingertip", None, "slip", "gross_threshold_p2p_n", 185.3157, 185.3158),
+        (CHANNELS, None, "slip", "contact_level_v", 0.0, -0.001),
+        # Half a step of the sum of two codes of 3.3/4096 V: 3.3 · 4095/4096 = 3.299194 V and 0.2 mV.
+        (RISES, None, "slip", "contact_level_v", 3.29939, 3.2996),
+        (RISES, None, "slip", "release_level_v", 0.00021, 0.0002),
+        ("fingertip", None, "slip", "contact_level_n", 131.038, 131.04),
+        (CHANNELS, None, "adc", "volts", 5.5, 5.51),
+        (CHANNELS, None, "clock", "mhz", 200.0, 200.1),
+        (ARRAY, None, "adc", "volts", 10.0, 10.1),
+        (ARRAY, None, "adc", "settle_us", 1000.0, 1001.0),
+        (ARRAY, None, "array", "newtons_per_count", 0.1, 0.11),
+        (ARRAY, None, "array", "pitch_mm", 100.0, 101.0),
+        (ARRAY, None, "tare", "contact_codes", 32_766, 32_767),  # above the 0 V at rest
+        ("fingertip", None, "tare", "contact_codes", 4094, 4095),
+        (ARRAY, None, "tare", "step", 255, 256),
+        (HEALTHY, None, "health", "jump", 65_534, 65_535),  # 65535 codes from end to end
+        (HEALTHY, None, "health", "jump", 12, 11),  # the band
+        (HEALTHY | {"health": {"blink": 0}}, None, "health", "band", 65_534, 65_535),
+        *((HEALTHY, None, "health", key, 255, 256) for key in ("still", "rail", "blink")),
+        ("cop4", None, "load", "min_n", 65.535, 65.536),  # 16 bits of 1 mN
+        ("cop4", None, "load", "gain", 0.3326, 0.3327),  # 15 V · gain and 0.2 % within 5 V
+        ("cop4", None, "cop_slip", "min_load_n", 65.535, 65.536),
+        ("cop4", None, "cop_slip", "lag_ms", 4096.0, 4097.0),
+        ("cop4", None, "cop_slip", "hold_ms", 65_535.0, 65_536.0),
+        *(("grip", None, "grip", key, 2000, 2001) for key in ("step", "decay")),  # the rate
+        ("grip", None, "grip", "boost", 7, 8),
+        ({**tables("grip"), "grip": {"step": 512, "rate": 600}}, None, "grip", "boost", 6, 7),  # 65536
+        ("grip", None, "grip", "maximum", 65_535, 65_536),
+        ("grip", None, "grip", "minimum", 60_000, 60_001),
+        ("grip", None, "grip", "rate", 65_535, 65_536),
+        ("grip", None, "grip", "pulse_divide", 255, 256),
+        # 3 mm/s at most: 16 · 3 · gain counts, of 65535.
+        (SHEARED, None, "grip", "speed_gain", 1365, 1366),
+        (SHEARED, None, "shear_speed", "vi_max_v", 5.0, 5.01),
+        (SHEARED, None, "shear_speed", "vi_min_v", 0.0, -0.01),
+        (SHEARED, None, "shear_speed", "noise_v", 5.0, 5.01),
+        (SHEARED, None, "shear_speed", "still_v", 5.0, 5.01),
+        (SHEARED, None, "shear_speed", "n", 1.0, 1.01),
+        (SHEARED, None, "shear_speed", "travel_mm", 1.0, 1.01),
+        # At Vi = 4 V the rise at 1 mm/s is k0 - 1.08 V: below the converter's 5.
+        (SHEARED, None, "shear_speed", "k0_v", 6.07, 6.09),
+        (SHEARED, None, "shear_speed", "k0_v", 0.55, 0.54),  # above 0 at Vi = 2 V: 0.54
+        (CHANNELS | {"adc": CHANNELS["adc"] | {"rate_hz": 6.4}}, None, "slip", "window", 32, 64),  # 5 s
+        ("slip1", None, "link", "baud", 1200, 1199),
+        # A detail lasts 0.2 ms.
+        *(("slip1", None, "slip", key, 0.11, 0.1) for key in ("hold_ms", "refractory_ms", "blank_ms")),
+        *(("slip1", None, "slip", key, 0.0, 1e-6) for key in ("hold_ms", "refractory_ms", "blank_ms")),
+        *(("cop4", None, "cop_slip", key, 0.6, 0.5) for key in ("lag_ms", "hold_ms", "refractory_ms")),
+        ("cop4", None, "cop_slip", "drop", 0.002, 0.0019),  # of 256ths
+        ("cop4", None, "cop_slip", "move", 0.000031, 0.00003),  # of 16384ths
     ],
 )
 def test_a_limit_is_met_and_not_passed(base, clock, table, key, least, beyond):
     base = base if clock is None else base | {"clock": {"mhz": clock}}
     read(base, table, **{key: least})
-    refused(base, table, key.replace("_p2p_v", "").replace("_n", ""), **{key: beyond})
+    refused(base, table, key, **{key: beyond})
 
 
-def test_codes_at_the_ends_of_their_registers():
-    assert read("fingertip", "cop", min_load_n=2097.15).settings["cop.min_load"] == 1_048_575
-    assert read("slip1", "slip", gross_threshold_p2p_v=14.1413).slip.gross_threshold == 16_383
+def test_codes_at_the_ends_of_what_occurs():
+    assert read("fingertip", "cop", min_load_n=1179.342).settings["cop.min_load"] == 9 * 65_519
+    assert read("slip1", "slip", gross_threshold_p2p_v=7.06934).slip.gross_threshold == 8189
+    assert read(RISES, "slip", contact_level_v=3.29939).slip.contact_level == 8190
     assert read(CHANNELS, "slip", keep_threshold_p2p_v=0.02).slip.keep_threshold == 35  # 35.1
 
 
@@ -266,7 +329,7 @@ WRONG = [
 
 def known(file, table):
     """The keys that the table ``table`` of ``file`` has."""
-    kind = file.__annotations__.get(table) or keys.File.__annotations__.get(table)
+    kind = next((each.type for each in msgspec.structs.fields(file) if each.name == table), None)
     kind = next((each for each in get_args(kind) if each is not type(None)), kind)
     return getattr(kind, "__struct_fields__", ())
 
@@ -316,3 +379,117 @@ def test_files_that_are_no_configuration(tmp_path, text, named):
         config.load(file)
     sentence = str(problem.value)
     assert named in sentence and "mine.toml" in sentence and sentence.isprintable() and len(sentence) < 250
+
+
+PAGE = (ROOT / "docs/config.md").read_text("utf-8")
+MESH = {"rows": 7, "columns": 7, "r_ohm": 100.0, "R0_ohm": 1000.0, "V0_v": 4.0, "k_n_ohm": 4320.0}
+FORCES = {
+    "threshold_p2p_n": 0.1,
+    "gross_threshold_p2p_n": 0.2,
+    "contact_level_n": 0.2,
+    "release_level_n": 0.1,
+}
+EMPTY = {  # of each kind: what must be there, and every other table empty
+    "channels": {
+        **{"clock": {"mhz": 25.0}, "sensor": {"kind": "channels", "channels": 2}, "link": {}, "grip": {}},
+        **{"adc": {"part": "MCP3208", "volts": 5.0, "rate_hz": 5000.0}, "shear_speed": {}},
+        "slip": {
+            "threshold_p2p_v": 0.02,
+            "gross_threshold_p2p_v": 0.1,
+            "contact_level_v": 4.5,
+            "release_level_v": 4.8,
+        },
+    },
+    "array": {
+        **{
+            "clock": {"mhz": 50.0},
+            "sensor": {"kind": "array", "rows": 4, "columns": 4},
+            "link": {},
+            "cop": {},
+        },
+        **{
+            "adc": {"part": "AD7606", "volts": 5.0, "rate_hz": 500.0},
+            "array": {"health": True},
+            "slip": FORCES,
+        },
+        **{"health": {}, "tare": {}},
+    },
+    "electrodes": {
+        **{
+            "clock": {"mhz": 25.0},
+            "sensor": {"kind": "electrodes"},
+            "link": {},
+            "mesh": MESH,
+            "cop_slip": {},
+        },
+        "adc": {"part": "AD7606", "volts": 5.0, "rate_hz": 500.0},
+        "load": {"lsb_n": 0.001, "min_n": 0.1, "correction": "none"},
+    },
+}
+
+
+def rows_of_the_page():
+    """(table, key, default as written) of every key."""
+    tables = ()
+    for line in re.search(r"\n\| table \| key .*?\n\n", PAGE, re.DOTALL)[0].strip().splitlines()[2:]:
+        first, second, default = (cell.strip() for cell in line.split("|")[1:4])
+        tables = re.findall(r"\[(\w+)\]", first) or tables
+        for table, key in product(tables, re.findall(r"`(\w+)`", second)):
+            yield table, key, default
+
+
+def built(kind, table=None, **change):
+    build = read({"about": "empty"} | EMPTY[kind], table, **change)
+    return build.settings, build.parameters
+
+
+def test_the_page_has_every_key_and_its_default():
+    page = {}
+    for table, key, default in rows_of_the_page():
+        page.setdefault(table, {})[key] = default
+    page["mesh"] = dict.fromkeys(MESH, "must")
+    page["load"] |= dict.fromkeys(("lsb_n", "min_n", "correction"), "must")
+    seen = 0
+    for kind, tables in EMPTY.items():
+        for table, given in tables.items():
+            for key in known(keys.FILES[kind], table):
+                default = page[table].get(key) or page[table][key[:-1] + "v"]  # of an array _n
+                if default == "must":
+                    refused({"about": "empty"} | tables, table, key, **{key: None})
+                    continue
+                assert key not in given or (table, key) == ("array", "health"), key
+                if default in ("by part", "see below", "the window", "the threshold"):
+                    continue
+                if (table, key, kind) != ("slip", "contact_rises", "array") and key != "health":
+                    assert built(kind, table, **{key: tomllib.loads(f"x = {default}")["x"]}) == built(kind), (
+                        key
+                    )
+                    seen += 1
+    assert seen > 60
+    with pytest.raises(ValueError, match=r"health = false in \[array\]"):
+        built("array", "array", health=None)
+
+
+@pytest.mark.parametrize("kind, unit", [("channels", "v"), ("array", "n")])
+def test_defaults_that_are_another_keys_value(kind, unit):
+    slip = EMPTY[kind]["slip"]
+    assert built(kind, "slip", hop=64) == built(kind) != built(kind, "slip", hop=32)
+    keep = {f"keep_threshold_p2p_{unit}": slip[f"threshold_p2p_{unit}"]}
+    with_it, without = built(kind, "slip", **keep)[0], built(kind)[0]
+    assert (
+        with_it["slip.keep_threshold"] == without["slip.threshold"] and "slip.keep_threshold" not in without
+    )
+
+
+def test_defaults_by_part_are_those_of_the_page():
+    found = re.search(r"\n\| by part, .*?\n\n", PAGE, re.DOTALL)[0].strip().splitlines()
+    names = re.findall(r"`(\w+)`", found[0])[1:]
+    for line in found[2:]:
+        part, *cells = (cell.strip() for cell in line.strip("|").split("|"))
+        part, volts = part.split(", ")
+        adc = {"part": part, "volts": float(volts), "rate_hz": 500.0, "channels": 4}
+        build = read({"about": "part"} | EMPTY["array"] | {"adc": adc, "slip": FORCES | {"window": 8}})
+        of = {"sclk_khz": build.parameters["SclkKhz"], "contact_codes": build.settings["tare.contact"]}
+        of |= {key: build.settings[f"health.{key}"] for key in ("band", "jump")}
+        assert [of[name] for name in names] == [int(cell) for cell in cells], part
+        assert names == ["sclk_khz", "band", "jump", "contact_codes"]

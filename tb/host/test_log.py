@@ -103,10 +103,13 @@ def test_everything_is_in_the_log(tmp_path, kind):
 
 
 def test_missing_changes_are_counted_by_hand():
-    """Channel 3 goes 0, 1, 2 and, what led there is missing, 4 from 1; channel 5 is first heard of in state 1."""
-    columns = {"channel": [3, 5, 3, 3, 5], "before": [0, 1, 1, 1, 2], "state": [1, 2, 2, 4, 1]}
+    """Channel 3 goes 0, 1, 2 and, what led there is missing, 4 from 1; channel 5 is first heard of in state 1,
+    and after a reset begins again."""
+    columns = {"channel": [3, 5, 3, 3, 5, 5], "before": [0, 1, 1, 1, 2, 0], "state": [1, 2, 2, 4, 1, 1]}
+    columns["ns"] = [1, 2, 3, 4, 5, 9]
     found = {f"change_{name}": np.array(values) for name, values in columns.items()}
-    assert changes(found) == (5, 1)
+    assert changes(found | {"reset_ns": np.array([7])}) == (6, 1)
+    assert changes(found | {"reset_ns": np.array([], int)}) == (6, 2)
 
 
 def test_mcap_holds_ros_messages(tmp_path):
@@ -178,6 +181,8 @@ def test_the_message_is_what_the_file_says():
 
 
 def test_stamps_after_a_reset_go_on():
+    """The time stands still, so the reset follows its last packet, and the core's 0 is the reset's time."""
+
     class Kept:
         def __init__(self):
             self.stamps = []
@@ -193,7 +198,8 @@ def test_stamps_after_a_reset_go_on():
 
     model, kept = SimulatedCore(clk_khz=CLK_KHZ), Kept()
     core = host.Core(line.Pipe(model), say=lambda _: None)
-    recording = log.Log(kept, core)
+    with mock.patch.object(log, "time", STOPPED):
+        recording = log.Log(kept, core)
     for at in (3_600_000_000, 5, 25):  # reset again one hour after its first reset
         if at == 5:
             model.restart()
@@ -202,7 +208,7 @@ def test_stamps_after_a_reset_go_on():
             for item in core.packets(0.05):
                 recording.add(item)
     assert core.counts.restarts == 1
-    assert kept.stamps[-2:] == [NOW, NOW + 20_000]
+    assert kept.stamps == [NOW, NOW + 1, NOW + 5_001, NOW + 25_001]
 
 
 @pytest.mark.parametrize("name", ["a.npz", "a.mcap"])

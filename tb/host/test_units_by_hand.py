@@ -46,6 +46,8 @@ ARRAY = {
         **{"hold_ms": 21.0, "refractory_ms": 11.5, "blank_ms": 55.0},
     },
 }
+NO_SLIP = {"window": 8, "threshold_p2p_n": 0.1, "gross_threshold_p2p_n": 0.2, "contact_level_n": 0.2}
+NO_SLIP |= {"release_level_n": 0.1}
 ELECTRODES = {
     "about": "odd",
     "clock": {"mhz": 21.7},
@@ -116,8 +118,8 @@ def test_a_hand():
         "grip.rule": 1,
         "grip.mode": 1,
         "grip.immediate": 1,
-        "grip.low": 0,
-        "grip.high": 4095,
+        "grip.low": 0,  # a grounded pull-up; 3.3 V, the highest code, is its rest
+        "grip.high": 65_535,
         "grip.rail": 5,
         "grip.divide": 9,
         "grip.speed_gain": 311,
@@ -128,7 +130,7 @@ def test_a_hand():
     }
     assert build.units.code("grip.period", "seconds", 0.0073) == 97_601
     signed = of(CHANNELS | {"grip": {}, "adc": CHANNELS["adc"] | {"part": "AD7606"}})
-    assert (signed.settings["grip.low"], signed.settings["grip.high"]) == (0, 32_767)
+    assert (signed.settings["grip.low"], signed.settings["grip.high"]) == (0, 65_535)
     # The defaults: 10 ms, 50 ms.
     assert (signed.settings["grip.period"], signed.settings["grip.watchdog"]) == (133_700, 5)
 
@@ -197,16 +199,16 @@ def test_sheared_rubber():
 )
 def test_rubber_that_cannot_be_is_refused(change, key):
     with pytest.raises(ValueError, match=rf"^\[shear_speed\]: .*{key}"):
-        of(CHANNELS | {"shear_speed": change})
+        of(CHANNELS | {"shear_speed": RUBBER | change})
     with pytest.raises(ValueError, match=r"\[shear_speed\] .* registers = true"):
-        of(CHANNELS | {"shear_speed": {}, "link": {"registers": False}})
+        of(CHANNELS | {"shear_speed": RUBBER, "link": {"registers": False}})
     with pytest.raises(ValueError, match=r"\[shear_speed\] .* 'array'"):
         of(ARRAY | {"shear_speed": {}})
 
 
 def test_frames_too_near_for_the_estimator_are_refused():
     """70 clocks: 13.37 MHz at 191 kHz; no converter here is that fast, so the check is called directly."""
-    build, check = of(CHANNELS | {"shear_speed": {}}), config.FEATURES["shear_speed"].check
+    build, check = of(CHANNELS | {"shear_speed": RUBBER}), config.FEATURES["shear_speed"].check
     check(replace(build, rate_hz=191_000.0))
     with pytest.raises(ValueError, match=r"rate_hz = 193000 is too fast for \[shear_speed\].* 191000 Hz"):
         check(replace(build, rate_hz=193_000.0))
@@ -221,6 +223,8 @@ def test_an_array():
         "scan.period": 54_528,  # 33 333 000 / 611.3 = 54528.05
         "calibrate.preset": 4096,  # 1.0 in 12 bits of fraction
         "cop.min_load": 149,  # 0.55 / 0.0037 = 148.65, up: at least 0.55 N
+        "health.use.user": 0,  # the ends that are faults follow below
+        "health.use.edges": 0,
         "health.band": 13,
         "health.jump": 4021,
         "health.still": 117,
@@ -262,14 +266,34 @@ def widths(name, **array):
     return config.read(name, table).widths
 
 
+@pytest.mark.parametrize(
+    "build, register, quantity, most, beyond",
+    [
+        (CHANNELS, "slip.threshold", "volts", 4.66576, 4.66577),  # 8190 · 3.3 / 4096 / sqrt(2) = 4.665766
+        (CHANNELS, "slip.contact_level", "volts", 3.29939, 3.2996),  # half a step of a sum: 4095.25 codes
+        (CHANNELS, "slip.release_level", "volts", -0.0002, -0.0003),
+        (ARRAY, "slip.threshold", "newtons", 484.958, 484.96),  # 65535 codes of 3.7 mN, times 2 at level 2
+        (ARRAY, "slip.contact_level", "newtons", 242.4795, 242.481),
+        (ARRAY, "cop.min_load", "newtons", 7274.385, 7274.386),  # 30 taxels
+        (ELECTRODES, "cop4.min_load", "newtons", 111.4095, 111.4096),  # 65535 · 1.7 mN
+        (ELECTRODES, "cop_slip.min_load", "newtons", 111.4095, 111.4096),
+    ],
+)
+def test_a_host_is_refused_what_the_build_never_reads(build, register, quantity, most, beyond):
+    units = of(build).units
+    assert units.code(register, quantity, most) >= 0
+    with pytest.raises(ValueError, match=rf"^{register}: "):
+        units.code(register, quantity, beyond)
+
+
 def test_the_bits_of_a_build():
     """A detail has level bits more than a sample; a load has 16 and those that number the taxels; an offset
-    has 17."""
+    has 17, of a row or a column 16."""
     assert widths("full") == {"detail": 18, "timer": 16, "load": 28, "offset": 17}  # 4096 taxels: 12
     assert widths("fingertip") == {"detail": 18, "timer": 16, "load": 20, "offset": 17}  # 9 taxels: 4
     # A serial path has samples of 13 bits, and its hold of 1000 details needs 10.
     assert widths("slip1") == {"detail": 14, "timer": 10, "load": 16, "offset": 17}
-    assert widths("fingertip", gains="row_column")["offset"] == 17
+    assert widths("fingertip", gains="row_column")["offset"] == 16
     assert widths("fingertip", gains="row_column", tare=False)["offset"] == 16
     assert of(ARRAY).widths == {"detail": 19, "timer": 16, "load": 21, "offset": 17}  # 30 taxels: 5
 
@@ -282,15 +306,92 @@ def test_a_gain_of_one(gains, parameters):
     assert build.settings["calibrate.preset"] == 4096
 
 
-def test_a_converter_from_zero_up_rails_at_its_lowest_and_its_highest_code():
-    """MCP3208: 0 and 4095; MAX11123: 8 bits, 0 and 255. A limit above the highest code would never be
-    reached."""
-    for part, top in (("MCP3208", 4095), ("MAX11123", 255), ("MAX11124", 1023), ("MAX11125", 4095)):
-        table = ARRAY | {
-            "adc": {"part": part, "volts": 3.3, "rate_hz": 100.0, "converters": 1, "channels": 8}
-        }
-        found = of(table).settings
-        assert (found["health.low"], found["health.high"]) == (0, top), part
+# Part, volts, [sensor] keys, codes at or below which and at or above which a sample is a fault: an end of the
+# range, but not where the sensor is at rest or pressed; 17 bits of -65536 and 65535 are never read.
+RAILS = [
+    ("MCP3208", 3.3, {}, (-65_536, 4095)),
+    ("MCP3208", 3.3, {"wiring": "pulled_down"}, (-65_536, 4095)),
+    ("MCP3208", 3.2, {"rest_v": 0.05}, (-65_536, 4095)),  # a 64th of the range
+    ("MCP3208", 3.2, {"rest_v": 0.051}, (0, 4095)),
+    ("MCP3208", 3.2, {"pressed_v": 3.15}, (-65_536, 65_535)),
+    ("MCP3208", 3.2, {"pressed_v": 3.149}, (-65_536, 4095)),
+    ("MCP3208", 5.0, {"wiring": "differential"}, (0, 4095)),
+    ("MAX11123", 3.3, {}, (-65_536, 255)),
+    ("MAX11124", 3.3, {"wiring": "differential"}, (0, 1023)),
+    ("MAX11125", 3.3, {}, (-65_536, 4095)),
+    ("AD7606", 10.0, {}, (-32_768, 32_767)),  # 0 V is the middle of its range
+    ("AD7606", 10.0, {"wiring": "differential"}, (-32_768, 32_767)),
+    ("AD7606", 6.4, {"wiring": "differential", "rest_v": -6.2}, (-65_536, 32_767)),  # 12.8 V / 64
+    ("AD7606", 6.4, {"wiring": "differential", "rest_v": -6.199, "pressed_v": 6.2}, (-32_768, 65_535)),
+    ("AD7606", 6.4, {"rest_v": 0.1}, (-32_768, 32_767)),
+    ("AD7606", 6.4, {"rest_v": 0.101}, (0, 32_767)),  # a grounded input
+]
+FALLING = [
+    ("MCP3208", 5.0, {}, (0, 65_535)),
+    ("MCP3208", 5.0, {"wiring": "pulled_up", "rest_v": 4.9}, (0, 4095)),
+    ("MCP3208", 5.0, {"wiring": "pulled_up", "pressed_v": 0.0}, (-65_536, 65_535)),
+    ("MCP3208", 5.0, {"wiring": "differential", "rest_v": 4.9}, (0, 4095)),
+    ("AD7606", 5.0, {}, (0, 65_535)),
+    ("AD7606", 10.0, {"rest_v": 5.0}, (0, 32_767)),
+    ("AD7606", 10.0, {"wiring": "differential", "rest_v": 5.0}, (-32_768, 32_767)),
+]
+
+
+@pytest.mark.parametrize("part, volts, sensor, codes", RAILS)
+def test_which_codes_of_a_taxel_are_a_fault(part, volts, sensor, codes):
+    adc = {"part": part, "volts": volts, "rate_hz": 500.0, "converters": 1, "channels": 8}
+    found = of(
+        ARRAY | {"adc": adc, "sensor": ARRAY["sensor"] | sensor, "health": {}, "tare": {}, "slip": NO_SLIP}
+    )
+    assert (found.settings["health.low"], found.settings["health.high"]) == codes
+    assert found.settings["health.use.user"] == 0  # an over-range mark is of both ends
+
+
+@pytest.mark.parametrize("part, volts, sensor, codes", FALLING)
+def test_which_codes_of_a_finger_are_a_fault(part, volts, sensor, codes):
+    slip = CHANNELS["slip"] | {"contact_level_v": 4.5, "release_level_v": 4.8}
+    adc = {"part": part, "volts": volts, "rate_hz": 5000.0}
+    found = of(CHANNELS | {"adc": adc, "sensor": CHANNELS["sensor"] | sensor, "slip": slip, "grip": {}})
+    assert (found.settings["grip.low"], found.settings["grip.high"]) == codes
+
+
+@pytest.mark.parametrize(
+    "sensor, slip, named",
+    [
+        ({"wiring": "pulled_sideways"}, {}, "wiring"),
+        ({"rest_v": 3.31}, {}, "rest_v"),
+        ({"rest_v": -0.01}, {}, "rest_v"),
+        ({"pressed_v": 3.31}, {}, "pressed_v"),
+        ({"rest_v": 3.0175}, {}, "release_level_v"),  # code 3745, 2 · 3745 = 7490 and the level is 7491
+        ({"wiring": "pulled_down"}, {}, "rest_v"),
+        ({"wiring": "pulled_up"}, {"contact_rises": True, "contact_level_v": 3.1}, "rest_v"),
+    ],
+)
+def test_a_sensor_that_cannot_rest_there_is_refused(sensor, slip, named):
+    with pytest.raises(ValueError, match=rf"^\[sensor\]: .*{named}"):
+        of(CHANNELS | {"sensor": CHANNELS["sensor"] | sensor, "slip": CHANNELS["slip"] | slip})
+    of(CHANNELS | {"sensor": CHANNELS["sensor"] | {"rest_v": 3.019}})
+    with pytest.raises(ValueError, match=r"^\[sensor\]: .*pulled_up"):
+        of(ARRAY | {"sensor": ARRAY["sensor"] | {"wiring": "pulled_up"}})
+
+
+def test_a_finger_is_never_unhealthy_with_rail_samples_0():
+    assert of(CHANNELS | {"grip": {"rail_samples": 0}}).settings["grip.rail"] == 0
+    assert of(CHANNELS | {"grip": {"rail_samples": 1}}).settings["grip.rail"] == 1
+
+
+def test_a_gain_of_the_differences():
+    """A 6.3rd of Cx and Cy, 5.722391 and 8.649949; their shifts; and of the least current of an electrode."""
+    plain, build = of(ELECTRODES), of(ELECTRODES | {"load": ELECTRODES["load"] | {"difference_gain": 6.3}})
+    changed = {key: value for key, value in build.settings.items() if value != plain.settings[key]}
+    assert changed == {
+        "cop4.kx": 93_756,  # 5.722391 · 2^14 = 93755.7; · 2^15 is too much
+        "cop4.shift_x": 14,
+        "cop4.ky": 70_860,  # 8.649949 · 2^13 = 70860.4
+        "cop4.shift_y": 13,
+        "cop4.busy": 27_440,  # 27525.12 - (55 + 3)·(5.722391 + 1)/(5.722391 - 1) = 27442.56; less 3
+    }
+    assert build.parameters | {"Resets": 0} == plain.parameters | {"Resets": 0}
 
 
 def test_four_electrodes():
@@ -311,7 +412,7 @@ def test_four_electrodes():
         "cop4.idle": 27_470,  # V0 is 27525.12 codes, minus 55, a 500th of it
         "cop4.busy": 27_461,  # 27525.12 - (55 + 3)·(36.051064 + 1)/(36.051064 - 1) = 27463.81; less 3
         "cop4.imbalance": 55,  # a thousandth of 2V0
-        "cop4.min_load": 72,  # 0.123 / 0.0017 = 72.35
+        "cop4.min_load": 73,  # 0.123 / 0.0017 = 72.35, up: at least 0.123 N
         "cop_slip.drop": 95,  # 0.37 · 256 = 94.72
         "cop_slip.move": 202,  # 0.0123 · 16384 = 201.52
         "cop_slip.min_load": 177,  # 0.3 / 0.0017 = 176.47, up: at least 0.3 N
@@ -338,9 +439,10 @@ def test_the_word_of_the_reset_values_has_each_at_its_place():
     assert at == RESET_BITS and word >> at == 0
     assert word >> 32 & 3 == 2 and word >> 34 & 0xFF_FFFF == 1824 and word >> 58 & 0xF_FFFF == 30
     assert found["slip.release_level.value"] == 7491 and found["slip.blank.value"] == 122
-    below = of(CHANNELS | {"slip": CHANNELS["slip"] | {"contact_level_v": -0.01}}).parameters["Resets"]
-    # 2 · -10 / 0.8056640625 = -24.82, in 20 bits of two's complement, after 58 + 2·20 bits.
-    assert below >> 98 & 0xF_FFFF == (1 << 20) - 25
+    signed = CHANNELS | {"adc": CHANNELS["adc"] | {"part": "AD7606"}}
+    below = of(signed | {"slip": CHANNELS["slip"] | {"contact_level_v": -0.01}}).parameters["Resets"]
+    # 2 · -10 · 32.768 / 3.3 = -198.59, in 20 bits of two's complement, after 58 + 2·20 bits.
+    assert below >> 98 & 0xF_FFFF == (1 << 20) - 199
     assert verilog({"Resets": 10, "Rows": 3}) == {"Resets": f"{RESET_BITS}'ha", "Rows": "3"}
 
 
@@ -410,5 +512,6 @@ def test_settling_is_never_shorter(mhz, settle_us, clocks):
         "settle_us": settle_us,
         "sclk_khz": 250,
     }
-    link = {"baud": 115_200}
-    assert of(ARRAY | {"adc": adc, "clock": {"mhz": mhz}, "link": link}).settings["scan.settle"] == clocks
+    array = {key: value for key, value in ARRAY.items() if key != "slip"}
+    build = of(array | {"adc": adc, "clock": {"mhz": mhz}, "link": {"baud": 115_200}})
+    assert build.settings["scan.settle"] == clocks

@@ -117,7 +117,18 @@ def commands_of(rng, count):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "rejected_o", wiggled=["in_valid_i"], in_data_i=0, in_error_i=0, bus_done_i=0)
+    inputs = {"in_data_i": 0, "in_error_i": 0, "bus_done_i": 0}
+    await bench.turn_over(dut, "rejected_o", wiggled=["in_valid_i"], again=False, **inputs)
+
+
+@bench.applies(lambda dut: bench.whole(dut) and dut.TimeoutClocks.value == TIMEOUT)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    registers = await begin(dut)
+    for start in bench.carries(dut.rejected_o):
+        dut.rejected_o.value = start
+        assert await send(dut, registers, b"\x03\x01\x02\0", drain=4) == []
+        assert bench.read(dut.rejected_o) == (start + 1) % 2**32
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -167,6 +178,18 @@ async def damaged_frames_change_nothing(dut):
     assert total > 100
 
 
+@bench.applies(lambda dut: dut.TimeoutClocks.value != TIMEOUT)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_frame_may_pause_for_the_default_time(dut):
+    """120,000 clocks: a pause one clock shorter has no effect, one of all of them ends the frame."""
+    registers, good = await begin(dut), command(WRITE, 1, 8, 99)
+    for pause, answers in ((119_999, 1), (120_000, 0)):
+        assert await send(dut, registers, good[:6], drain=1) == []
+        await bench.clocks(dut, pause - 1)
+        assert len(await send(dut, registers, good[6:])) == answers
+
+
+@bench.applies(lambda dut: dut.TimeoutClocks.value == TIMEOUT)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def what_is_no_command_is_rejected(dut):
     registers = await begin(dut)
@@ -279,8 +302,9 @@ EVIDENCE = {
 }
 
 
-def test_bridge():
-    bench.run("link", "bridge", {"TimeoutClocks": TIMEOUT})
+@pytest.mark.parametrize("parameters", [{"TimeoutClocks": TIMEOUT}, {}], ids=str)
+def test_bridge(parameters):
+    bench.run("link", "bridge", parameters)
 
 
 def test_refuses_illegal_parameters():

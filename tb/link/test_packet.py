@@ -269,6 +269,26 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "packets_o", "cop_dropped_o", "image_dropped_o", most=3, wraps=False)
 
 
+@bench.applies(lambda dut: parameters(dut)["Cop"] and bench.whole(dut))
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def counters_count_from_any_value(dut):
+    """A packet that is begun, and a centre of pressure that replaces another."""
+    test, sources, _ = await begin(dut, np.random.default_rng(bench.SEED), {})
+    for start in bench.carries(dut.packets_o):
+        dut.packets_o.value = dut.cop_dropped_o.value = start
+        sent, packets = len(sources["cop"].sent), len(test.packets)
+        sources["cop"].rate = 1
+        await test.run(6)
+        await test.run(500, quiet=True)
+        while dut.out_begin_o.value == 1:
+            await test.run(1)
+        told = [packet[0] for packet in test.packets[packets:]]
+        left = len(sources["cop"].sent) - sent - told.count(p.COP)
+        assert left > 0 and p.COP in told
+        assert bench.read(dut.packets_o) == (start + len(told)) % 2**32
+        assert bench.read(dut.cop_dropped_o) == (start + left) % 2**32
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 @cocotb.parametrize(load=["light", "full", "slow line"])
 async def everything_at_once(dut, load):

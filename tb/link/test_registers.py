@@ -151,9 +151,13 @@ async def every_bit_is_its_own(dut):
     """All settings and all status fields with all ones, all zeros, and every second bit."""
     twin, status, _ = await begin(dut)
     for data in (0xFFFF_FFFF, 0, 0xAAAA_AAAA, 0x5555_5555):
-        for group in GROUPS:
-            for register in group.registers:
-                await clock(dut, twin, status, (1, register.address, data, 15), compared=False)
+        for group in GROUPS:  # an `enable` last: while it is 1, some others cannot be written
+            switches = [register.address for register in group.registers if register.name == "enable"]
+            others = [register.address for register in group.registers if register.name != "enable"]
+            for address in switches:
+                await clock(dut, twin, status, (1, address, 0, 15), compared=False)
+            for address in others + switches:
+                await clock(dut, twin, status, (1, address, data, 15), compared=False)
         await clock(dut, twin, status, None, True)
         for key, field in ((key, field) for *key, field in keys("status")):
             status[*key, field.name] = data & field.most
@@ -287,6 +291,54 @@ async def what_meets_in_one_clock(dut):
         await clock(access)
     assert seen[first:] == [0, 0, 1, 0, 0, 0, 0, 0, 0]
     assert [answers[first + at] for at in (0, 2, 3, 6)] == [0, 1, 0, 0]
+
+
+WRITES = [  # of ones, by hand: (address, strobe): (error, pulse or None, pending), then what is read
+    (0x510, 0b0000, False, None, False, 0x000),  # calibrate.write: lanes in byte 0, row in byte 1
+    (0x510, 0b0010, False, None, False, 0x100),
+    (0x510, 0b1100, False, None, False, 0x100),
+    (0x510, 0b0001, False, "calibrate_write_written", False, 0x1FF),
+    (0x4A0, 0b1110, False, None, False, 0x00),  # tare.write
+    (0x4A0, 0b0001, False, "tare_write_written", False, 0xFF),
+    (0x514, 0b1110, False, None, False, 0),  # calibrate.swap
+    (0x514, 0b0001, False, "calibrate_swap", False, 0),
+    (0x214, 0b0000, False, None, False, 0x0000),  # slip.hold: 16 bits, at a frame's start
+    (0x214, 0b1100, False, None, False, 0x0000),
+    (0x214, 0b0010, False, None, True, 0xFF00),
+    (0x48C, 0b1111, True, None, False, 1),  # tare.at_start: at reset
+    (0xB10, 0b1111, False, None, False, 0x3FFFFFF),  # shear_speed.vi_min: while off
+    (0xB00, 0b0001, False, None, False, 1),  # shear_speed.enable
+    (0xB14, 0b1111, True, None, False, 0x19999A),  # vi_max, 1677722 in 26 bits
+    (0xB2C, 0b0001, False, None, False, 1),  # shear_speed.hold: at once, also while on
+]
+
+
+@bench.applies(lambda dut: all(int(getattr(dut, parameter(name)).value) for name in FEATURES))
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def what_a_write_does_not_reach_stays(dut):
+    """Without its byte no command, no strobe and nothing that waits; no write at reset or while on."""
+    await begin(dut)
+    told = []
+    for address, strobe, *_ in WRITES:
+        pulses, answers = set(), []
+        for write in (1, 0):
+            dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_address_i.value = 1, write, address
+            dut.bus_wdata_i.value, dut.bus_strobe_i.value = 0xFFFF_FFFF, strobe if write else 15
+            for _ in range(3):
+                await RisingEdge(dut.clk_i)
+                dut.bus_valid_i.value = 0
+                await ReadOnly()
+                cfg = members.of(members.CFG, bench.read(dut.cfg_o))
+                pulses |= {name for name in cfg if name.endswith(("_written", "swap")) and cfg[name]}
+                if dut.bus_done_o.value == 1:
+                    answers += [(bool(dut.bus_error_o.value), bench.read(dut.bus_rdata_o))]
+                await FallingEdge(dut.clk_i)
+        waits = bool(dut.pending_o.value)
+        told.append((address, strobe, answers[0][0], *(pulses or {None}), waits, answers[1][1]))
+        dut.commit_i.value = 1
+        await RisingEdge(dut.clk_i)
+        dut.commit_i.value = 0
+    assert told == WRITES
 
 
 EVIDENCE = {

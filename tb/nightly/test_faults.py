@@ -33,10 +33,10 @@ def planted(monkeypatch, tmp_path, block, good, bad):
 
 
 def _with(program, paths):
-    def made(block):
+    def made(*given):
         before, toolchain.sources_of = toolchain.sources_of, lambda _: paths
         try:
-            return program(block)
+            return program(*given)
         finally:
             toolchain.sources_of = before
 
@@ -89,7 +89,7 @@ def test_a_run_in_which_nothing_comes_out_is_refused(monkeypatch):
 def test_what_is_kept_may_be_of_one_instance_alone():
     assert faults.inside("u_tare", ["fresh", "zero_"]) == ["u_tare.&fresh", "u_tare.&zero_"]
     kept = faults.kept_of("core")
-    assert {"settle_q", "u_tare.&fresh", "u_calibrate.&memory", "u_health.&tick", "cfg"} <= {*kept}
+    assert {"written", "u_tare.&fresh", "u_calibrate.&memory", "u_health.&tick", "cfg"} <= {*kept}
 
 
 def test_a_setting_is_put_at_its_bits_of_the_struct():

@@ -1,9 +1,10 @@
 """`make nightly`: what a change selects; a broken limit, a check that cannot run or does not end, and a run
 of nothing end non-zero; the page names what was not reached."""
 
+import os
+import signal
 import subprocess
 import sys
-import time
 import tomllib
 
 import pytest
@@ -85,23 +86,82 @@ def test_exit_codes():
     assert nightly.verdict(checks(WITHIN, None))[0] == 3
 
 
-def test_a_check_that_does_not_end_is_stopped_and_named(monkeypatch, tmp_path):
-    """Also what it has started, and a check that was not begun."""
+# A check that starts a tool, which says "x" and does not end, and then waits for it or ends itself. Both hold
+# the same end of a pipe: its other end is at the end of file when none of them is left.
+TOOL = "import os, time; os.write({0}, b'x'); time.sleep(3600)"
+CHECK = """
+import os, subprocess, sys
+tool = subprocess.Popen([sys.executable, "-c", {1!r}], pass_fds=[{0}], stdout=-3, stderr=-3)
+{2}
+"""
+NIGHTLY = """
+import subprocess, sys
+from nightly import __main__ as nightly
+kept = subprocess.Popen
+slow = lambda command, **given: kept([sys.executable, "-c", {1!r}], pass_fds=[{0}], **given)
+nightly.subprocess.Popen = slow
+from pathlib import Path
+nightly.FOLDER = Path({2!r})
+nightly.run([nightly.Check("proofs", "b0")], 1, None, print)
+"""
+
+
+@pytest.fixture
+def held(monkeypatch, tmp_path):
+    """(the check's source for how it goes on, its pipe's end for reading, for writing)."""
     monkeypatch.setattr(nightly, "FOLDER", tmp_path)
-    code = "import subprocess, sys; subprocess.run([sys.executable, '-c', 'import time; time.sleep(60)'])"
+    ours, theirs = os.pipe()
+    yield lambda then: CHECK.format(theirs, TOOL.format(theirs), then), ours, theirs
+    os.close(ours)
+
+
+def run_slowly(monkeypatch, given, code, theirs, seconds):
     kept = subprocess.Popen
 
-    def slow(command, **given):
-        return kept([sys.executable, "-c", code], **given)
+    def slow(command, **more):
+        return kept([sys.executable, "-c", code], pass_fds=[theirs], **more)
 
-    monkeypatch.setattr(nightly.subprocess, "Popen", slow)
-    given, begun = checks(None, None), time.monotonic()
-    nightly.run(given, 1, 2, lambda check: None)
-    assert time.monotonic() - begun < 30
+    with monkeypatch.context() as patch:
+        patch.setattr(nightly.subprocess, "Popen", slow)
+        nightly.run(given, 1, seconds, lambda check: None)
+    os.close(theirs)
+
+
+def test_a_check_that_does_not_end_is_stopped_and_named(monkeypatch, tmp_path, held):
+    """Also what it has started, and a check that was not begun."""
+    source, ours, theirs = held
+    given = checks(None, None)
+    run_slowly(monkeypatch, given, source("tool.wait()"), theirs, 2)
+    assert os.read(ours, 9) in (b"x", b"") and os.read(ours, 9) == b"", "it waits for what is left"
     assert [check.facts for check in given] == [None, None] and nightly.verdict(given)[0] == 2
     nightly.write(given, page.heading(["proofs"], [], None, []))
     text = (tmp_path / "index.html").read_text()
     assert "2 not reached" in text and "proofs of b1" in text
+
+
+def test_what_a_check_leaves_behind_ends_with_it(monkeypatch, held):
+    source, ours, theirs = held
+    run_slowly(monkeypatch, checks(None), source(""), theirs, None)
+    assert os.read(ours, 9) in (b"x", b"") and os.read(ours, 9) == b""
+
+
+@pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_run_that_is_stopped_takes_its_checks_along(tmp_path, held, which):
+    source, ours, theirs = held
+    code = NIGHTLY.format(theirs, source("tool.wait()"), str(tmp_path))
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job's children ignore it
+    try:
+        process = subprocess.Popen(
+            [sys.executable, "-c", code], pass_fds=[theirs], env=environment, stderr=subprocess.DEVNULL
+        )
+    finally:
+        signal.signal(signal.SIGINT, before)
+    os.close(theirs)
+    assert os.read(ours, 9) == b"x"
+    process.send_signal(which)
+    assert os.read(ours, 9) == b""
+    assert process.wait() == (-signal.SIGINT if which == signal.SIGINT else 128 + which)
 
 
 def test_what_cannot_run_or_ends_without_a_word_breaks_the_limit(monkeypatch, tmp_path):

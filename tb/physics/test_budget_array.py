@@ -20,10 +20,21 @@ def test_terms_add_up_and_follow_what_they_stand_for(rows, columns, part):
     places = rows * -(-columns // 16)
     assert found["frame_clocks"] == places * found["slot_clocks"]
     assert found["terms_clocks"]["scan"] == (places - 1) * found["slot_clocks"]
-    later = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, settle_s=1e-6 + 1e-3)
+    later = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, settle_us=1000.0)
     assert later["slot_clocks"] >= 50_000 and later["total_clocks"] >= found["total_clocks"]
     bare = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, health=False, tare=False)
     assert found["total_clocks"] - bare["total_clocks"] == 2
+
+
+@pytest.mark.parametrize(
+    "mhz, settle_us, clocks",
+    # 25.0025, 13.37, 57 and 230 clocks, up; in floating point 230.00000000000003.
+    [(24, 1.0, 24), (25, 1.0001, 26), (13.37, 1.0, 14), (100, 0.57, 57), (100, 2.3, 230), (100, 0.0, 1)],
+)
+def test_settling_is_never_shorter(mhz, settle_us, clocks):
+    """As the register of the same build (docs/config.md)."""
+    found = budget.budget(4, 4, mhz * 1e6, AD7606, converters=1, channels=4, settle_us=settle_us)
+    assert found["settle_clocks"] == clocks
 
 
 def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():

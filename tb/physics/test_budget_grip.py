@@ -33,23 +33,23 @@ def build(immediate=True, **slip):
     ],
 )
 def test_the_terms_are_those_of_the_pages(slip, clocks):
-    found = grip.budget(build(immediate=False, **slip))
+    found = grip.of_config(build(immediate=False, **slip))
     assert found["total_clocks"] == sum(found["terms_clocks"].values()) == clocks
     assert found["within_16"] and found["wait_clocks"] == 240_000
-    found = grip.budget(build(**slip))
+    found = grip.of_config(build(**slip))
     assert found["total_clocks"] == clocks + 1 <= 16 and found["wait_clocks"] == 0
     assert found["total_s"] == pytest.approx((clocks + 1) / 24e6)
 
 
 def test_a_window_too_long_for_16_clocks_is_reported():
     """4096 details: filter 1, level 3, 1 + log4(4096) = 7, slip 2, reflex 4, after another command 1."""
-    found = grip.budget(build(level=3, window=32_768, hop=8))
+    found = grip.of_config(build(level=3, window=32_768, hop=8))
     assert found["total_clocks"] == 18 and not found["within_16"]
     assert "above the limit of 16" in grip.tell(found)[0]
 
 
 def test_the_terms_of_a_core_as_it_is_shipped():
-    found = grip.budget(config.load("grip"))
+    found = grip.of_config(config.load("grip"))
     assert found["terms_clocks"] == {
         **{"frame_filter": 1, "haar": 1, "peak_to_peak": 2, "slip": 2, "count": 1, "join": 1, "goal": 1},
         **{"command": 1, "after another": 1},
@@ -67,9 +67,8 @@ def test_the_command_prints_it():
     )
     assert any(line.split()[:2] == ["haar", "1"] for line in told)
     found = json.loads(meissner("budget", "--config", "grip", "--json").stdout)
-    assert found == grip.budget(config.load("grip"))
+    assert found == grip.of_config(config.load("grip"))
     for arguments, said in (
-        (("--config", "slip1"), "slip1 has none of the features with a budget, [grip], [shear_speed]"),
         (("--config", "grip", "--cop4"), "--config must go without --cop4 and --out"),
         (("--config", "nothing"), "'nothing' is neither a file nor one of the configurations"),
     ):
@@ -79,5 +78,5 @@ def test_the_command_prints_it():
 
 def test_a_window_that_waits_says_for_how_long():
     one = build(immediate=False)
-    told = grip.tell(grip.budget(replace(one, name="slow")))
+    told = grip.tell(grip.of_config(replace(one, name="slow")))
     assert "up to 240000 clocks" in told[-1]

@@ -12,12 +12,15 @@ import numpy as np
 import pytest
 
 from meissner import cli, fit_rubber
+from meissner.builds import config
+from meissner.builds.toolchain import ROOT
 from meissner.fit_rubber import STEPS, Steps, fit, read, steps_of
 
 K0, K1, N = 1.31, -0.19, 0.17
 RESTS, SPEEDS = (1.6, 2.5, 3.7), (0.013, 0.07, 0.4, 1.1, 2.9)
 RATE = 500
 STEP_RATE = 2000  # of recordings of one step
+BUILD = ROOT / "model/meissner/builds/configs/grip.toml"  # without [shear_speed], an MCP3208 at 5 V
 
 
 def steps(k0=K0, k1=K1, n=N, rests=RESTS, speeds=SPEEDS, share=lambda: 1.0):
@@ -156,9 +159,29 @@ def test_the_command_prints_constants_intervals_residuals_and_toml(tmp_path, cap
     for name, value, low, high in zip(("k0", "k1", "n"), found.value, found.low, found.high):
         assert f"{name:<2} = {value:8.4f}   95 % interval {low:.4f} to {high:.4f}" in text
     assert "15 steps from 1.60 to 3.70 V at 0.013 to 2.9 mm/s" in text and "12 degrees of freedom" in text
-    written = tomllib.loads(text[text.index("# dV =") :])["shear_speed"]
-    assert [written[name] for name in ("k0", "k1", "n")] == pytest.approx(found.value, rel=1e-5)
-    assert written["rest_v"] == [1.6, 3.7] and written["speed_mm_s"] == [0.013, 2.9]
+    printed = text[text.index("# dV =") :]
+    written = tomllib.loads(printed)["shear_speed"]
+    assert [written[name] for name in ("k0_v", "k1", "n")] == pytest.approx(found.value, rel=1e-5)
+    assert [written[name] for name in ("vi_min_v", "vi_max_v", "limit_mm_s")] == [1.6, 3.7, 2.9]
+    build = tmp_path / "build.toml"
+    build.write_text(BUILD.read_text() + printed)
+    cli.main(["config", "check", str(build)])  # a configuration takes what was printed, as it was printed
+    told = text[text.index("# cfg_k0 = ") :].strip("# \n").replace("cfg_", "shear_speed.")
+    settings = config.load(build).settings  # for 819.2 codes a volt, as the build's MCP3208 at 5 V
+    for name, value in (word.split(" = ") for word in told.split(", ")):
+        # 6 digits were printed of each constant
+        assert settings[name] == pytest.approx(int(value), rel=1e-5, abs=1), name
+
+
+def test_what_no_core_holds_is_no_table():
+    """A speed of 20 mm/s is beyond the register's 16; an exponent of 1/0.02 beyond 32."""
+    fast = fit(steps(speeds=[8 * speed for speed in SPEEDS]))
+    assert fast.steps.speed_mm_s.max() == pytest.approx(23.2)
+    assert tomllib.loads("\n".join(fit_rubber.tell(fast)[-10:]))["shear_speed"]["limit_mm_s"] == 15.9999
+    assert fit_rubber.registers(fast)["cfg_limit"] == 16777111  # floor(15.9999·2^20)
+    steep = "\n".join(fit_rubber.tell(fit(steps(n=0.02))))
+    assert "# no registers of msn_shear_speed: exponent = 102400 must lie in 0 .. 65535" in steep
+    assert tomllib.loads(steep[steep.index("# dV =") :]) == {} and "# k0_v = " in steep
 
 
 def test_the_registers_by_hand():
@@ -169,9 +192,6 @@ def test_the_registers_by_hand():
     assert words == dict(zip(names, (67072, -12452, 12047, 81920, 189440, 3040870)))
     told = "\n".join(fit_rubber.tell(fit(steps()), 100))
     assert "# cfg_k0 = 67072, cfg_k1 = -12452, cfg_exponent = 12047, cfg_vi_min = 81920" in told
-    assert "# no registers of msn_shear_speed: exponent = 102400 must lie in 0 .. 65535" in "\n".join(
-        fit_rubber.tell(fit(steps(n=0.02)))
-    )
 
 
 def refused(path):

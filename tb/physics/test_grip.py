@@ -3,15 +3,21 @@ published rubber; forces balance; the effect of a grip alone; the scene against 
 in a scene."""
 
 import dataclasses
+import tomllib
 
 import numpy as np
 import pytest
 
 from meissner import scenes
+from meissner.builds import config as builds
 from meissner.physics import grip, plate, rubber
+from meissner.physics.adc import Adc
+from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh_loads import true_centre
 from meissner.scenes.grip import scene as grip_scene
 from meissner.scenes.grip.scene import Grip, Pull
+from meissner.scenes.mesh.scene import electrodes
+from meissner.twins.cop.cop4 import cop4
 
 TIME_S = np.arange(1000) / 1000
 LEVELS = [(0.0, 0.1, 2.0)]
@@ -154,9 +160,80 @@ def test_every_condition_slips_within_its_run():
                 assert held.grip_n[-1] == pytest.approx(condition.to_n[-1])
 
 
+def shipped(tmp_path, *changes):
+    """The scene with a copy of the shipped configuration in which lines are changed: (old, new) each."""
+    text = (builds.FOLDER / "cop4.toml").read_text()
+    for old, new in changes:
+        assert text.count(f"\n{old}") == 1, old
+        text = text.replace(f"\n{old}", f"\n{new}")
+    (tmp_path / "mine.toml").write_text(text)
+    table = tomllib.loads(scenes.source("cop_slip"))
+    assert table["build"] == "cop4"
+    return scenes.build("mine", table | {"build": str(tmp_path / "mine.toml")})
+
+
+def test_the_scene_has_the_shipped_configuration_and_follows_it(tmp_path):
+    """Everything but the world is the build's: a change of its file changes the scene."""
+    scene, build = scenes.load("cop_slip"), builds.load("cop4")
+    found = {f"cop4.{key}": value for key, value in dataclasses.asdict(scene.config.registers).items()}
+    found |= {f"cop_slip.{key}": value for key, value in dataclasses.asdict(scene.registers).items()}
+    assert found.items() <= build.settings.items() and scene.rate_hz == build.rate_hz == 1000
+    assert (scene.config.adc.bits, scene.config.adc.high_v) == (16, 5)  # an AD7606
+    assert scene.config.adc.noise_v == 117e-6  # its data sheet: docs/constants.md
+    assert shipped(tmp_path).config.registers == scene.config.registers
+    other = shipped(
+        tmp_path,
+        *(("r_ohm = 100.0", "r_ohm = 90.0"), ("volts = 5.0", "volts = 10.0"), ("gain = 0.3", "gain = 0.6")),
+        *(("difference_gain = 16.0", "difference_gain = 9.0"), ("rate_hz = 1000.0", "rate_hz = 800.0")),
+        *(
+            ("lag_ms = 128.0", "lag_ms = 40.0"),
+            ("drop = 0.3 ", "drop = 0.25 "),
+            ("min_n = 0.3", "min_n = 0.2"),
+        ),
+    )
+    assert other.config.mesh.r == 90 and other.rate_hz == 800 and other.lag == 32
+    assert (other.config.adc.noise_v, other.config.adc.high_v) == (234e-6, 10)  # in proportion to the range
+    assert (other.config.gain, other.config.difference_gain) == (0.6, 9)
+    assert (other.registers.drop, other.config.registers.min_load) == (64, 200)
+    assert len(scenes.simulate(other, other.conditions[0], 1).codes) < 0.85 * len(
+        scenes.simulate(scene, scene.conditions[0], 1).codes
+    )
+
+
+def test_the_amplifiers_keep_the_mean_and_multiply_the_difference():
+    """E1, E3 = 9.9 and 10.1 V, E2, E4 = -10.3 and -10.1 V; 0.3 of 10.0 ∓ 4·0.1 and of -10.2 ∓ 4·0.1; a code
+    is 5 V / 32768."""
+    mesh = scenes.load("cop_slip").config.mesh
+    config = Cop4Config(mesh, Adc(16, -5.0, 5.0), 0.3, difference_gain=4.0)
+    volts = np.array([[9.9, -10.3, 10.1, -10.1]])
+    assert config.convert(volts).tolist() == [[18874, -20840, 20447, -19268]]  # 9.6, -10.6, 10.4, -9.8 V
+    assert Cop4Config(mesh, Adc(16, -5.0, 5.0), 0.3).convert(volts).tolist() == [
+        [19464, -20251, 19857, -19857]
+    ]
+    assert mesh.Cx == pytest.approx(24 + 2 / 3)
+    Cop4Config(mesh, Adc(16, -5.0, 5.0), 0.3, difference_gain=24.6)
+    with pytest.raises(ValueError, match="difference_gain"):
+        Cop4Config(mesh, Adc(16, -5.0, 5.0), 0.3, difference_gain=24.7)
+
+
+@pytest.mark.parametrize("gain", [1.0, 16.0, 24.0])
+def test_amplified_differences_say_the_same_place(gain):
+    """Loads up to the corners, 24 bits: within the range, no fault, and the mesh's own centre and load."""
+    mesh = scenes.load("cop_slip").config.mesh
+    config = Cop4Config(mesh, Adc(24, -5.0, 5.0), 0.3, difference_gain=gain)
+    load = np.zeros((98, 7, 7))
+    load[np.arange(49), np.arange(49) // 7, np.arange(49) % 7] = 0.4
+    load[np.arange(49, 98), np.arange(49) // 7, np.arange(49) % 7] = 30.0
+    answer = mesh.solve(load)
+    found = cop4(config.convert(electrodes(answer)), config.registers, config.sample_bits)
+    assert found.pressed.all() and not found.saturated.any() and not found.open.any()
+    assert np.abs(found.x / 16384 - answer.x).max() < 1e-3 and np.abs(found.y / 16384 - answer.y).max() < 1e-3
+    assert found.load * 1e-3 == pytest.approx(answer.load, rel=2e-3)
+
+
 def test_settings_become_registers():
     scene = scenes.load("cop_slip")
     assert dataclasses.asdict(scene.registers) == {
-        **{"drop": 77, "move": 49, "min_load": 300, "hold": 50, "refractory": 100}
+        **{"drop": 77, "move": 57, "min_load": 300, "hold": 50, "refractory": 100}
     }
     assert scene.lag == 128

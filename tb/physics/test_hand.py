@@ -410,6 +410,7 @@ def test_every_scene_has_its_settings_in_counts(name):
         assert config.rate >= config.step > 0
         # 0.02 V peak to peak, in codes of 5/4096 V of a detail, which is sqrt(2) times the coefficient.
         assert scene.slip_config(condition).threshold == int(0.02 * 2**0.5 / (5 / 4096)) == 23
+        assert scene.slip_config(condition).gross_threshold == int(0.12 * 2**0.5 / (5 / 4096)) == 139
     assert {c.first_event for c in scene.conditions} >= {0.12, 0.875}
     assert {c.cycle_ms for c in scene.conditions} == {1, 10}
 
@@ -417,14 +418,17 @@ def test_every_scene_has_its_settings_in_counts(name):
 def test_the_threshold_is_a_share_of_what_an_event_makes_in_volts():
     """Vc (1 - Vc/5): 0.8 V at 1 V, 1.1375 at 1.75, 1.25 at 2.5; p2p in codes of 5/4096 V: 2 sqrt(2) times."""
     scene = scenes.load("grip_pour")
-    scene = replace(scene, slip=scene.slip | {"threshold_p2p_share": 0.0176})
-    vc_v = np.array([1.0, 1.75, 2.5, 4.99])
+    scene = replace(scene, slip=scene.slip | {"threshold_p2p_share": 0.0176, "threshold_quiet": 2.5})
+    vc_v, quiet_v = np.array([1.0, 1.75, 2.5, 4.99]), np.array([0.004, 0.002, 1e-5, 0.0])
     free, fixed = scene.conditions[0], structs.replace(scene.conditions[0], threshold_p2p_v=0.02)
     assert [scene.threshold_p2p_v(free, v) for v in vc_v[:3]] == pytest.approx([0.01408, 0.02002, 0.022])
-    assert scene.threshold(free, vc_v).tolist() == [16, 23, 25, 1]
-    assert scene.threshold(fixed, vc_v).tolist() == [23] * 4
-    without = replace(scene, slip=scene.slip | {"threshold_p2p_share": 0.0})
-    assert without.threshold(free, vc_v).tolist() == [23] * 4
+    assert scene.threshold(free, vc_v, quiet_v).tolist() == [16, 23, 25, 1]
+    assert scene.threshold(fixed, vc_v, quiet_v).tolist() == [23] * 4
+    quiet = replace(scene, slip=scene.slip | {"threshold_p2p_share": 0.0})
+    assert quiet.threshold(free, vc_v, quiet_v).tolist() == [11, 5, 1, 1]  # 0.010 V: 11.58; 0.005 V: 5.79
+    assert quiet.threshold(fixed, vc_v, quiet_v).tolist() == [23] * 4
+    without = replace(quiet, slip=quiet.slip | {"threshold_quiet": 0.0})
+    assert without.threshold(free, vc_v, quiet_v).tolist() == [23] * 4
 
 
 def test_the_threshold_follows_vc_once_a_second():
@@ -440,6 +444,20 @@ def test_the_threshold_follows_vc_once_a_second():
         codes = trace.threshold_v[100 * second] / lsb_v
         wanted = 0.02 * rest_v * (1 - rest_v / 5) / lsb_v
         assert codes == pytest.approx(round(codes), abs=1e-9) and 0.9 * wanted - 1 < codes < 1.1 * wanted
+
+
+def test_a_material_and_the_size_of_its_events_are_the_condition_s():
+    """cloth: 0.75 of acrylic's events; 0.6 of those; friction 0.55 beside 0.70, by the same draw."""
+    scene = scenes.load("grip_pour")
+    usual = scene.conditions[0]
+    changed = structs.replace(usual, material="cloth", events=0.6)
+    changed_scene = replace(scene, conditions=(changed,))
+    ours, theirs = scenes.simulate(scene, usual, 3), scenes.simulate(changed_scene, changed, 3)
+    assert (ours.fluctuation, theirs.fluctuation) == (1.0, pytest.approx(0.45))
+    assert theirs.mu_s == pytest.approx([0.55 / 0.70 * mu for mu in ours.mu_s])
+    assert theirs.closing_mm == pytest.approx(0.70 / 0.55 * ours.closing_mm, abs=1e-4)
+    with pytest.raises(ValueError, match="material"):
+        structs.replace(usual, material="ice").__post_init__()
 
 
 def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():

@@ -22,7 +22,8 @@ MISTAKES = {
     """,
     "cop_load": """
         world: kind = "patches"; steps = 0
-        mesh: r_ohm = [0] | [nan]; r_ohm = []; V0_v = -15; rows = 0; R0_ohm = 0; k_n_ohm = nan
+        mesh: r_ohm = [0] | [nan]; r_ohm = []; V0_v = -15 | 15000; rows = 0
+        mesh: R0_ohm = 0 | 1; k_n_ohm = nan | 0.5
         converter: bits = 25; noise_v = -1e-06; gain = 0.4
         .: -converter
         load: min_n = 0; correction = "palm"
@@ -59,12 +60,8 @@ MISTAKES = {
         .: faults = []
     """,
     "cop_slip": """
-        .: rate_hz = 0; seeds = 0; features = ["slip"]
-        mesh: rows = 0; r_ohm = -1.0; R0_ohm = 0
-        converter: gain = 1.0
-        load: min_n = nan
-        cop_slip: lag_ms = 0.0; lag_ms = 5000.0 (lag); drop = 1.0 | -0.1 | nan; move = 3.0
-        cop_slip: min_load_n = 66.0; hold_ms = -1.0; refractory = 1.0
+        .: seeds = 0; features = ["slip"]; build = "nothing.toml" | "slip1" | 5; -build
+        .: mesh = {} (build); converter = {} (build); load = {} (build); cop_slip = {}; rate_hz = 9 (build)
         world: wire_n_mm = 0.0; cover_pitches = -1.0; pulls = []; grips = 5
         world.pulls.0: grip_n = -2.0 | nan; speed_mm_s = 0.0; direction_deg = 400.0; material = "ice"
         world.grips.0: to_n = [-1.0]; to_n = []; ramp_s = 0.0
@@ -73,7 +70,8 @@ MISTAKES = {
         .: sensors = "rubber"; sensor = "skin"; adc = "MCP"; rate_hz = "fast"; seeds = 0
         .: features = ["slip", "taste"] (taste); -title
         slip: treshold_p2p_v = 0.02; window = 48; threshold_p2p_v = -1.0; contact_level_v = 4.9
-        slip: hold_ms = true
+        slip: hold_ms = true | 0.1; gross_threshold_p2p_v = 7.07; release_level_v = 5.2
+        slip: contact_level_v = -0.1
         world: kind = "twist"; press = 1.0; stage_start_s = 0.4; slide_s = nan; conditions = []
         world.conditions.0: normal_n = -2.0; material = "ice"; mass = 1.0
     """,

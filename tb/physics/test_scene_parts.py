@@ -144,7 +144,8 @@ IMPORTS = {
     "shear_amount": f"rubber plate disturbances / {_SLIP}",
     "grip_pour": f"rubber plate hand slide stepped / {_SLIP} actuate",
     "cop_two_point": _MESH,
-    "cop_slip": f"grip plate rubber {_MESH} cop.cop_slip",
+    # With all that reads a build's configuration, which gives it mesh, converter and detector.
+    "cop_slip": f"grip plate rubber {_MESH} cop.cop_slip frontend link slip actuate",
     "walk_25x5": _TAXELS,
     "fsr_3x3": f"fsr {_TAXELS} frontend.calibrate",
     "capacitive_crosstalk": "capacitive footprints mesh_loads / frontend.am_demod",

@@ -2,22 +2,27 @@
 
 LATENCY = 4  # from a decision in the clock that ends a cycle to its command
 SPEED_DELAY = 3  # from a speed to the first window that it applies to
-FORGETS = 2  # from the clock that ends a cycle to the clearing of a faulty finger's speed
 
 
 class GripLoop:
-    """``clock`` takes the inputs of one clock and returns the cycle that ends in it, else None."""
+    """``clock`` takes the inputs of one clock and returns the cycle that ends in it, else None. A change of the
+    mode takes that clock: it is one of reset."""
 
     def __init__(self, fingers, bits, shift, **settings):
         self.fingers, self.top, self.shift = range(fingers), 2**bits - 1, shift
-        self.settings = dict(settings)
-        self.now, self.in_period, self.period_done, self.last_cycle = 0, 0, False, -2
-        self.speeds, self.due, self.forget = dict.fromkeys(self.fingers, 0), [], []
+        self.settings, self.now = dict(settings), 0
+        self.reset()
+
+    def reset(self):
+        self.in_period, self.period_done, self.last_cycle = 0, False, self.now - 2
+        self.speeds, self.due = dict.fromkeys(self.fingers, 0), []
+        self.faulty = set()  # of the cycle that has just ended
         self.open_windows_over = set()
         self.verdicts = dict.fromkeys(self.fingers, "")  # of a finger's ended windows: "1" over, "0" not
         self.boost_before = self.boost  # one clock ago
         self.unheard = dict.fromkeys(self.fingers, 0)
-        self.command, self.mode = 0, None
+        self.command, self.armed = 0, False
+        self.was_mode = self.mode
         self.since_last()
 
     def since_last(self):
@@ -27,12 +32,15 @@ class GripLoop:
         return self.settings[name]
 
     def clock(self, decision=None, speed=None, healthy=None):
-        for finger in [finger for at, finger in self.forget if at == self.now]:
-            self.speeds[finger] = 0
+        if self.mode != self.was_mode:  # a clock of reset
+            self.now += 1
+            return self.reset()
         for finger, value in [report for at, report in self.due if at == self.now]:
             self.speeds[finger] = value
-        self.forget = [each for each in self.forget if each[0] > self.now]
         self.due = [each for each in self.due if each[0] > self.now]
+        for finger in self.faulty:  # of a cycle that ended with the last clock
+            self.speeds[finger] = 0
+        self.faulty = set()
 
         if speed is not None and speed[0] in self.fingers:
             finger, ok, value = speed
@@ -85,11 +93,11 @@ class GripLoop:
         slips, all_heard = self.over - faulty, self.heard == set(self.fingers)
         quiet = all_heard and not self.over and not faulty
         unhealthy = bool(self.unwell)
-        self.forget += [(self.now + FORGETS, finger) for finger in faulty]
+        self.faulty = faulty
         self.since_last()
 
         old, valid = self.command, True
-        if self.mode == self.settings["mode"]:
+        if self.armed:
             goal = old
             if self.override:
                 goal = self.override_value
@@ -109,17 +117,17 @@ class GripLoop:
             increment = goal - old
         else:
             increment = 0
-            if self.settings["mode"] == 0 or self.override:
-                goal = self.override_value if self.settings["mode"] else self.minimum
+            if self.mode == 0 or self.override:
+                goal = self.override_value if self.mode else self.minimum
                 self.command = sorted((self.minimum, goal, self.maximum))[1]
                 if self.minimum > self.maximum:
                     self.command = self.maximum
-                self.mode = self.settings["mode"]
+                self.armed = True
             else:
                 valid = False
         fault = [bool(silent), unhealthy, valid and self.command >= self.maximum]
         fault += [self.minimum > self.maximum, not valid]
-        word = self.command if self.settings["mode"] else increment
+        word = self.command if self.mode else increment
         return {
             "valid": valid,
             "word": word,

@@ -12,7 +12,6 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.twins.frontend.calibrate import preset
 from meissner.twins.frontend.health import Limits, reports
 from meissner.twins.sensor.array_forces import ArrayForces
 
@@ -28,7 +27,7 @@ def number(dut, name):
 
 
 def twin_of(dut):
-    """As it is when the preset gains are in use."""
+    """As it is after a reset."""
     size = [number(dut, name) for name in ("Rows", "Columns", "Lanes")]
     health, tare, log2 = (number(dut, name) for name in ("Health", "Tare", "TareLog2"))
     kinds = {
@@ -40,9 +39,7 @@ def twin_of(dut):
     twin = ArrayForces(
         *size, LIMITS if health else None, TARE | {"tare_log2": log2} if tare else None, **kinds
     )
-    for of_row, word, offset, gain in preset(*size, PRESET, kinds["row_column"]):
-        twin.calibrate.table.put(of_row, word, slice(None), offset, gain)
-    twin.calibrate.swap()
+    twin.calibrate.table.preset = PRESET
     return twin
 
 
@@ -67,7 +64,6 @@ class Line:
             dut, "cfg", **limits, **tare, calibrate_preset=PRESET, cop_min_load=2
         )
         await bench.start(dut, sample_ready_i=0, health_ready_i=1)
-        await bench.clocks(dut, self.length + twin.rows + 12)  # until the preset gains are in use
         cocotb.start_soon(self.watch())
         return self
 
@@ -254,8 +250,8 @@ async def matches_model(dut, stall_rate):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def the_first_tare_begins_with_the_preset_gains(dut):
-    """With at_start, in spite of a contact, when the preset gains are in use; a write by the host until then
-    is lost."""
+    """With at_start, in spite of a contact, from the first frame on; a write by the host in the first clock
+    counts from its swap on."""
     line = await Line().begin(dut)
     line.settings.put(tare_at_start=1)
     await bench.reset(dut)

@@ -27,7 +27,9 @@ OF_LOOP = ("k0", "k1", "exponent", "vi_min", "vi_max", "noise", "still", "full",
 WINDOW, REST, TOP = 64, 8, (1 << 24) - 1  # the largest speed
 REGISTERS = {name: members.PLACES["shear_speed_cfg"][name] for name in OF_LOOP}  # (place, bits)
 VALID = members.PLACES["shear"]["valid"][0]
-GRIP_BITS = sum(bits for _, bits in members.PLACES["grip_status"].values())
+GRIP = members.PLACES["grip_status"]
+GRIP_BITS = sum(bits for _, bits in GRIP.values())
+UNARMED = 1 << GRIP["fault"][0] + 4
 
 
 class Loop:
@@ -80,6 +82,7 @@ class Stage:
     def __init__(self, dut):
         self.dut, self.channels = dut, dut.Channels.value.to_unsigned()
         self.beside = random.Random(bench.SEED).getrandbits(GRIP_BITS)  # must not matter without grip_valid_i
+        self.armed = True
 
     async def begin(self, **settings):
         self.settings = HAND | {"enable": 1} | settings
@@ -95,12 +98,13 @@ class Stage:
         return members.word("shear_speed_cfg", self.settings)
 
     def grip(self, increment):
-        """The reflex' status with this increment; all other bits must not matter, and are inverted each
-        time."""
+        """The reflex' status with this increment, if any, and whether it is armed; all other bits must not
+        matter, and are inverted each time."""
         self.beside ^= (1 << GRIP_BITS) - 1
-        low, bits = members.PLACES["grip_status"]["increment"]
-        within = (1 << bits) - 1 << low
-        return self.beside & ~within | increment << low & within
+        low, bits = GRIP["increment"]
+        within = 0 if increment is None else (1 << bits) - 1 << low
+        word = self.beside & ~within | (increment or 0) << low & within
+        return word & ~UNARMED if self.armed else word | UNARMED
 
     def put(self, **settings):
         self.settings |= settings
@@ -109,8 +113,7 @@ class Stage:
     async def clock(self, sample=None, last=False, command=None, ready=True):
         dut = self.dut
         id_, code = sample or (0, 0x5555)
-        grip = self.beside if command is None else self.grip(command)
-        values = (sample is not None, id_, code, last, ready, command is not None, grip)
+        values = (sample is not None, id_, code, last, ready, command is not None, self.grip(command))
         for put, value in zip(self.puts, values):
             put(int(value))
         await ReadOnly()
@@ -385,10 +388,27 @@ async def speeds_of_each_bit(dut):
             assert told == dict.fromkeys(range(stage.channels), (expected[1] == 0, expected[0] >> 8))
 
 
+@bench.applies(lambda dut: dut.ShearSpeed.value == 1 and bench.whole(dut))
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def windows_have_32_bits(dut):
+    """Each channel counts from its own value, at most of which a carry goes through all lower bits."""
+    stage, port = Stage(dut), dut.gen_shear_speed.windows
+    await stage.begin()
+    every = [(2 << k) - 1 for k in range(32)] + [0x5A5A_A5A5, 0x0FFF_FFFF]
+    for first in range(0, len(every), stage.channels):
+        starts = (every * 2)[first : first + stage.channels]
+        port.value = sum(start << 32 * channel for channel, start in enumerate(starts))
+        await frames(stage, 1000, WINDOW)
+        await settle(stage)
+        found = [level[2] for level in (await stage.levels()).values()]
+        assert found == [(start + 1) % 2**32 for start in starts]
+
+
 @bench.applies(lambda dut: dut.ShearSpeed.value == 1)
 @cocotb.test(timeout_time=60, timeout_unit="ms")
 async def holds_while_the_force_may_change(dut):
-    """In a sample anywhere in a window: the pin, the register, a changed command, a damaged frame."""
+    """In a sample anywhere in a window: the pin, the register, a changed command, a damaged frame; when the
+    hold after a command ends."""
     stage = Stage(dut)
     await stage.begin()
     for place in (0, 30, WINDOW - 1):
@@ -423,6 +443,22 @@ async def holds_while_the_force_may_change(dut):
                 await frames(stage, 1727, WINDOW)
             await frames(stage, 1740, WINDOW)
             assert (await shown(stage))[1] == 0, (cycles, increment)
+    # The count of cycles by its last one, a register written meanwhile, a reflex that is off or has no command.
+    for cycles, after, change, held in (
+        *[(255, 254, {}, True), (255, 255, {}, False), (255, 300, {}, False), (128, 127, {}, True)],
+        *[(128, 128, {}, False), (200, 3, {"hold_cycles": 4}, True), (200, 3, {"hold_cycles": 3}, False)],
+        *[(200, 3, {"hold_cycles": 0}, False), (200, 3, {"armed": False}, False)],
+        *[(255, 0, {"armed": False}, False), (255, 0, {}, True)],
+    ):
+        await known(stage, hold_cycles=cycles)
+        for increment in [1] + [0] * after:
+            await stage.clock(command=increment)
+        stage.armed = change.get("armed", True)
+        stage.put(hold_cycles=change.get("hold_cycles", cycles))
+        await settle(stage, 2)
+        stage.armed = True
+        await frames(stage, 1727, WINDOW)
+        assert ((await shown(stage))[1] == UNSETTLED) == held, (cycles, after, change)
     # A frame without its last sample, and one with an extra sample: every channel discards its level.
     for damage in ([(0, 0)], [(c, int(c == stage.channels)) for c in range(stage.channels)] + [(0, 1)]):
         if stage.channels == 1:
@@ -514,8 +550,8 @@ def test_model_against_the_loop():
                 assert agrees(loop, expected, speed, flags) and (vi, rise) == expected[2:4]
                 assert report(speed, flags) == (None if flags else speed // 256)
                 speeds, held_windows = speeds + (flags == 0), held_windows + (flags == UNSETTLED)
-        increment = -7 * int(rng.random() < 0.03)
+        increment = None if rng.random() < 0.01 else -7 * int(rng.random() < 0.03)
         twin.commanded(increment)
-        cycles = 2 if increment else max(0, cycles - 1)
+        cycles = 2 if increment else 0 if increment is None else max(0, cycles - 1)
         at += count
     assert speeds > 20 and held_windows > 20 and twin.windows == [120] * 3

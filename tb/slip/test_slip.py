@@ -73,7 +73,18 @@ async def apply(dut, config):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "blanked_o")
+    await bench.turn_over(dut, "blanked_o", again=False)
+
+
+@bench.applies(bench.whole)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def counts_on_from_any_value(dut):
+    """Every detail of a contact is over while the actuator moves."""
+    names = ("threshold", "gross_threshold", "contact_level", "release_level", "hold", "refractory", "blank")
+    idle = dict.fromkeys([f"cfg_{name}_i" for name in (*names, "keep_threshold")], 0)
+    idle |= {f"in_{name}_i": 0 for name in ("total", "id", "last", "restart", "mask", "end")}
+    await bench.start(dut, in_p2p_i=1, actuator_moving_i=1, cfg_contact_rises_i=1, **idle)
+    await bench.counts_on(dut, "blanked_o", span=3000, in_valid_i=1, out_ready_i=1)
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")

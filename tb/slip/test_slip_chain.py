@@ -106,7 +106,9 @@ async def events_and_flags_are_the_models(dut, pace, moving):
     assert changes == slip_chain(x.T, config, np.full(700 // group, bool(moving)))
     starts = [found for *_, (start, *found) in changes if start]
     assert bool(starts) != bool(moving) and len(changes) >= len(starts) + channels
-    assert flags == [tuple(map(int, row)) for row in slip_flags([(d["state"], d["last"]) for d in decisions])]
+    assert flags == [
+        tuple(map(int, row)) for row in slip_flags([(d["id"], d["state"], d["last"]) for d in decisions])
+    ]
     status = members.of("slip_status", bench.read(dut.status_o))
     assert (status["blanked"] > 0) and status["damaged"] == 0
 
@@ -140,11 +142,21 @@ async def is_busy_from_a_sample_on(dut):
 
 @bench.applies(lambda dut: number(dut, "Slip"))
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-async def a_damaged_frame_is_counted(dut):
+async def a_damaged_frame_is_counted_and_raises_no_flag_of_a_later_one(dut):
+    """Contact in all channels; slip in the first, whose frame is cut before the others; then nothing."""
     await begin(dut)
-    await run(dut, [{"data": 5, "id": 0, "last": 0, "mask": 0}, {"data": 6, "id": 0, "last": 1, "mask": 0}])
-    status = members.of("slip_status", bench.read(dut.status_o))
-    assert status["damaged"] > 0 and status["blanked"] == 0
+    channels, group = number(dut, "Channels"), 1 << number(dut, "Level")
+    frame = lambda code: [
+        {"data": code, "id": c, "last": int(c == channels - 1), "mask": 0} for c in range(channels)
+    ]
+    contact = [beat for _ in range(8 * group) for beat in frame(500)]
+    assert (await run(dut, contact))[1][-1] == (0, 0, 1)
+    cut = {"data": 800, "id": 0, "last": 0, "mask": 0}, {"data": 0, "id": 0, "last": 1, "mask": 0}
+    _, flags = await run(dut, [beat for _ in range(group - 1) for beat in frame(500)] + list(cut))
+    assert flags == [(1, 1, 1)]
+    assert members.of("slip_status", bench.read(dut.status_o)) == {"damaged": 1, "blanked": 0}
+    _, flags = await run(dut, [beat for _ in range(group) for beat in frame(-400)])
+    assert flags == [(1, 1, 1)] * (channels - 1) + [(0, 0, 0)]
 
 
 @bench.applies(lambda dut: not number(dut, "Slip"))
@@ -164,12 +176,12 @@ async def passes_on_the_decisions_about_a_centre_of_pressure(dut):
         assert (dut.out_valid_o.value, dut.cop_ready_o.value) == (valid, ready)
         assert members.of("decision", bench.read(dut.out_o)) == given
         assert (dut.in_ready_o.value, dut.busy_o.value, bench.read(dut.status_o)) == (1, 0, 0)
-        seen.append((valid, ready, given["state"], given["last"]))
+        seen.append((valid, ready, given["id"], given["state"], given["last"]))
         await RisingEdge(dut.clk_i)
     dut.cop_valid_i.value = 0
     first = [
-        (state, last)
-        for place, (valid, _, state, last) in enumerate(seen)
+        decision
+        for place, (valid, _, *decision) in enumerate(seen)
         if valid and not (place and seen[place - 1][0] and not seen[place - 1][1])
     ]
     await ReadOnly()

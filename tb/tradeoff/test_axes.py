@@ -55,11 +55,32 @@ def test_the_division_errs_by_half_a_step_at_most_and_nearly_that():
 
 @pytest.mark.parametrize(("R0_ohm", "bound"), [(10000.0, 1.79), (1000.0, 0.311)])
 def test_a_larger_resistor_costs_position(R0_ohm, bound):
-    """docs/cop4.md's exact bounds for 41x41, 10 ohms, 16 bits, no gain: the measured errors come close to
-    them."""
-    point = {"side": 41, "r_ohm": 10.0, "R0_ohm": R0_ohm, "bits": 16, "gain": 1}
-    found = cop4.error(point)["position"]
+    """docs/cop4.md's exact bounds for 41x41, 10 ohms, 16 bits, no gain and no noise: the measured errors come
+    close to them."""
+    point = {"side": 41, "r_ohm": 10.0, "R0_ohm": R0_ohm, "bits": 16, "noise_mv": 0.0, "gain": 1}
+    found = cop4.error(point)["position_most"]
     assert 0.6 * bound < found <= bound * 1.003
+
+
+@pytest.mark.parametrize("gain, bits", [(1, 16), (1, 20), (4, 16)])
+def test_the_converter_s_noise_is_in_the_error(gain, bits):
+    """The position's rms error to first order, by hand from x = Cx (E1 - E3)/N, N = 2V0 - E1 - E3: an
+    electrode errs by e, steps of q/sqrt(12) and noise together, so x by hypot(Cx + x, Cx - x) e/N or, with
+    amplified differences, by hypot(Cx/gain, sqrt(2) x) e/N. The larger of x and y, rms over all places, with
+    up to half of the square clipped at the edges and 4 % for a thousand draws."""
+    point = table.named("cop4").shipped | {"gain": gain, "bits": bits}
+    mesh, *_, answer = cop4._solved(7, 100.0, 1000.0)
+    volts, C = 15.75 / 5.0, mesh.Cx  # at the electrodes, of a volt at the converter
+    e = np.hypot(2 * 15.75 / 2**bits / np.sqrt(12), 0.117e-3 * volts) / (answer.current * mesh.R0)
+    squares = []
+    for at in (answer.x, answer.y):
+        error = e * (np.hypot(C + at, C - at) if gain == 1 else np.hypot(C / gain, np.sqrt(2) * at))
+        squares.append([np.mean(error**2 * np.where(np.abs(at) > 0.99, part, 1)) for part in (0.5, 1)])
+    least, most = 50 * np.sqrt(np.max(squares, axis=0))
+    found = cop4.error(point)
+    assert 0.96 * least < found["position"] < 1.04 * most
+    assert 2.5 * found["position"] < found["position_most"] < 5 * found["position"]
+    assert cop4.error(point | {"noise_mv": 0.0})["position"] < 0.7 * found["position"]
 
 
 def test_the_shipped_slip_point_is_what_the_scene_s_judge_says():

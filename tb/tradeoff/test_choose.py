@@ -1,14 +1,16 @@
 """From needs to a configuration: the shipped ones from their needs, the next point in each direction,
 refusals."""
 
+import itertools
 import json
 import tomllib
 
 import pytest
 
 from meissner import cli
+from meissner.budget import array
 from meissner.builds import config
-from meissner.tradeoff import area, choose
+from meissner.tradeoff import area, choose, table
 from meissner.tradeoff import command as tradeoff_command
 from meissner.tradeoff.candidates import board_of, rounded_rate, tables
 from meissner.tradeoff.command import RECORD
@@ -74,6 +76,74 @@ def test_the_cheapest_that_meets_the_needs(needs, expected):
     assert (point["rate_hz"], point["bits"], point["kind"]) == expected
     assert (made.rate_hz, made.slip.hop) == (expected[0], 2 if expected[2] == "sliding" else 64)
     assert made.serial == (expected[2] == "tumbling")
+
+
+# Of a request for each converter: its bits, and the most that a run may fail and wait.
+OF_PART = {"MAX11123": (8,), "MAX11124": (10,), "MCP3208": (12,), "MAX11125": (12,), "AD7606": (15,)}
+WRONG = (None, 0.0, 0.5, 1.0, 3.0, 20.0, 99.0)
+DELAYS = (None, 0.3, 3.6, 5.0, 5.3, 5.54821888, 10.0, 24.0, 60.0)
+
+
+@pytest.mark.parametrize("adc", [None, *OF_PART])
+def test_what_is_chosen_is_the_cheapest_of_every_measured_point(adc):
+    """A loop over all of them, for 63 requests of each window: the least data, then the least state, then the
+    fewest wrong runs, then the least delay."""
+    points, sizes = MEASURED["slip"]["points"], table.named("slip").values
+    assert len(points) == len(table.named("slip").points()) > 1000
+    bits = OF_PART.get(adc, (8, 10, 12, 15))
+    for window, wrong, delay in itertools.product((None, *sizes["window"]), WRONG, DELAYS):
+        best = None
+        for row in points:
+            point, error = row["point"], row["error"]
+            fits = point["noise_mv"] == 0.198 and point["bits"] in bits and window in (None, point["window"])
+            fits = fits and (wrong is None or error["wrong"] <= wrong)
+            if delay is not None:
+                fits = fits and error["delay_ms"] is not None and error["delay_ms"] <= delay
+            late = float("inf") if error["delay_ms"] is None else error["delay_ms"]
+            price = (row["cost"]["kbit_s"], row["cost"]["state_bits"], error["wrong"], late)
+            if fits and (best is None or price < best[0]):
+                best = price, point
+        needs = Needs("channels", error=wrong, latency_ms=delay, adc=adc, window=window)
+        if best is None:
+            with pytest.raises(ValueError, match="no measured point meets"):
+                choose.chosen(needs, MEASURED)
+            continue
+        row, made, _ = choose.chosen(needs, MEASURED)
+        found = row["cost"]["kbit_s"], row["cost"]["state_bits"], row["error"]["wrong"]
+        assert found == best[0][:3] and row["point"] == best[1], needs
+        assert (made.rate_hz, made.slip.window) == (best[1]["rate_hz"], best[1]["window"])
+
+
+def test_a_delay_that_the_shipped_window_misses_is_met_at_the_same_rate():
+    row, _, _ = choose.chosen(Needs("channels", error=0.0, latency_ms=5.3, adc="MCP3208"), MEASURED)
+    assert {key: row["point"][key] for key in ("rate_hz", "window")} == {"rate_hz": 10000, "window": 128}
+    row, _, _ = choose.chosen(Needs("channels", latency_ms=10.0, error=0.0, adc="AD7606"), MEASURED)
+    assert row["cost"]["kbit_s"] == 160
+
+
+SIZES = [(3, 3), (6, 10), (5, 12), (16, 16), (7, 41), (40, 24), (64, 64)]
+
+
+@pytest.mark.parametrize("adc", ["MCP3208", "AD7606", "MAX11125"])
+def test_as_many_converters_as_the_budget_asks_for(adc):
+    """For a centre of pressure within a millisecond: the budget of the chosen configuration, and that of the
+    same array with nothing chosen, need as many as were chosen; the times are the same."""
+    for rows, columns in SIZES:
+        needs = Needs("array", latency_ms=1.0, rows=rows, columns=columns, adc=adc)
+        part = array.part_of(adc)
+        clock_hz = 24e6 if rows * columns <= 64 else 100e6
+        least = array.budget(rows, columns, clock_hz, part, settle_us=2.0, health=False)["converters_needed"]
+        if least is None:
+            with pytest.raises(ValueError, match="is above 1,000"):
+                choose.chosen(needs, {})
+            continue
+        row, made, _ = choose.chosen(needs, {})
+        found = array.of_config(made)
+        assert made.adc.converters == found["converters"] == found["converters_needed"] == least, (
+            rows,
+            columns,
+        )
+        assert found["within_1_ms"] and 1e6 * found["total_s"] == pytest.approx(row["error"]["latency_us"])
 
 
 def test_the_next_in_each_direction_and_why():

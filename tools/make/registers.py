@@ -21,6 +21,7 @@ HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}
 APPLIES = {
     "at_once": "at once",
     "at_frame": "at a frame's start",
+    "at_scan": "at the scan's next frame",
     "while_off": "while off",
     "at_reset": "at reset",
 }
@@ -60,6 +61,8 @@ def _line(group, register_, field):
     applies = register_.get_property("applies", default=default) if kind in ("setting", "command") else "-"
     if applies not in (*APPLIES, "-"):
         _fail(f"{name} applies {applies!r}, which is none of {', '.join(APPLIES)}")
+    if field.get_property("swmod") and field.low // 8 != field.high // 8:
+        _fail(f"{name} acts when its byte is written, so it must lie in one")
     more = [
         *["signed"] * bool(field.get_property("is_signed", default=False)),
         *["written"] * bool(field.get_property("swmod")),
@@ -139,11 +142,12 @@ def _rows(groups):
     rows, at = [], 0
 
     def row(group, reg, low, width, kind, held, signed, place, value, name):
+        lock = places["cfg", group.name, "enable"] if reg.applies == "while_off" else 0
         applies = "AtOnce" if reg.applies == "-" else reg.applies.title().replace("_", "")
         columns = f"{parameter(group) + ',':11} 10'h{reg.address >> 2:03x}, "
         columns += " ".join(f"{number:6}" for number in (f"5'd{low},", f"6'd{width},"))
         columns += f" {kind + ',':9} {applies + ',':9} {held.capitalize() + ',':7} 1'b{int(signed)}, "
-        columns += f"12'd{f'{place},':5} 32'h{value:x}"
+        columns += f"12'd{f'{place},':5} 12'd{f'{lock},':5} 32'h{value:x}"
         rows.append((columns, name))
 
     for group in groups:
@@ -158,7 +162,8 @@ def _rows(groups):
                 row(group, reg, field.low, field.width, kind, held, field.signed, place, value, member)
             if reg.strobe:
                 name = f"{reg.name}_written"
-                row(group, reg, 0, 1, "Strobe", "whole", False, places["cfg", group.name, name], 0, name)
+                low = next(field.low for field in reg.fields if field.acts)
+                row(group, reg, low, 1, "Strobe", "whole", False, places["cfg", group.name, name], 0, name)
     return [f"  {{{columns}}}{',' * (n < len(rows))}  // {name}" for n, (columns, name) in enumerate(rows, 1)]
 
 
@@ -226,20 +231,20 @@ package msn_registers_pkg;
   typedef enum logic [2:0] {{
     Setting,   // what the host writes is kept, for the core
     Command,   // a 1 that the host writes is a pulse for the core
-    Strobe,    // any write to the register is one
+    Strobe,    // a write of the byte with bit `low` is one
     Status,    // the core's
     Constant,
     Features,  // a bit for each group that a build may leave out
     Widths     // the bits that a build has for fields that are held to them
   }} kind_e;
 
-  // When a written setting takes effect. WhileOff and AtReset: the registers act as for AtOnce.
-  typedef enum logic [1:0] {{AtOnce, AtFrame, WhileOff, AtReset}} applies_e;
+  // When a written setting takes effect. AtScan: as AtOnce for the registers; the scan waits for a frame.
+  typedef enum logic [2:0] {{AtOnce, AtFrame, AtScan, WhileOff, AtReset}} applies_e;
 
   // The bits that a build has for a field: all, or its parameter DetailBits ...
   typedef enum logic [2:0] {{Whole, Detail, Timer, Load, Offset}} held_e;
 
-  localparam int unsigned RowBits = 78;
+  localparam int unsigned RowBits = 91;
   typedef struct packed {{
     group_e      group;
     logic [9:0]  word;       // the address, in words
@@ -250,6 +255,7 @@ package msn_registers_pkg;
     held_e       held;
     logic        is_signed;
     logic [11:0] place;      // its lowest bit in cfg_t or status_t
+    logic [11:0] lock;       // WhileOff: the bit of cfg_t that is 1 while its block is on
     logic [31:0] value;      // the constant; of a setting its lowest bit in the reset values
   }} row_t;
 
@@ -313,12 +319,17 @@ def page(groups, texts):
     lines += [
         "Addresses count bytes; every register is a word of 32 bits. The core answers with an error if an",
         "address has no register in this build, or if a write goes to a register that can only be read.",
+        "Such an access changes nothing. A write without any of a register's bytes (WSTRB) changes nothing",
+        "either, and has no effect.",
         "",
         "The column *applies* says when a written value takes effect: *at once*; *at a frame's",
-        "start*, with all others that were written before it, between two frames; *while off*: it is",
-        "to be written only while the block is off (`enable` is 0); *at reset*: a later write has no effect.",
+        "start*, with all others that were written before it, between two frames; *at the scan's next",
+        "frame*, with the first conversion of the next one to begin ([scan.md](scan.md)); *while off*: at",
+        "once, but only while its block is off (`enable` is 0): otherwise the write is an error; *at",
+        "reset*: never, the build says what it is, and a write is an error. So what is read is in force,",
+        "at the latest from the next frame on.",
         "Settings that belong together take effect with the same frame if `core.hold` is 1 while they are",
-        "written: `with core.together():` in Python.",
+        "written: `with core.together():` in Python. Those of the scan do not wait for `core.hold`.",
         "",
         "A build without registers (`registers = false`: `slip1`, and every build for the iCEBreaker)",
         "answers no access. Its settings are those of its configuration, and a host can only receive its",
@@ -334,10 +345,10 @@ def page(groups, texts):
                 bits = f"{field.high}:{field.low}" if field.width > 1 else f"{field.low}"
                 reset = "" if field.kind in ("status", *OWN) else f"{field.reset:#x}"
                 when = APPLIES[reg.applies] if field.kind == "setting" else ""
+                known = access.get(field.kind, "read") if reg.applies != "at_reset" else "read"
                 text = texts[group.name, reg.name] if index == 0 else ""
                 lines.append(
-                    f"| 0x{reg.address:03x} | `{name}` | {bits} | {access.get(field.kind, 'read')} | {when} "
-                    f"| {reset} | {text} |"
+                    f"| 0x{reg.address:03x} | `{name}` | {bits} | {known} | {when} | {reset} | {text} |"
                 )
     return "\n".join(lines) + "\n"
 
@@ -354,7 +365,8 @@ def proof(groups, _):
         if field.kind == "setting":
             waits = reg.applies == "at_frame"
             ends = f"{own if field.held_to else field.width}, {int(field.signed)}"
-            lines.append(f"`SETTING({begin}, {field.width}, {place}, {name}, {int(waits)}, {ends})")
+            able = {"at_reset": "1'b0", "while_off": f"!cfg_o.{group.name}.enable"}.get(reg.applies, "1'b1")
+            lines.append(f"`SETTING({begin}, {field.width}, {place}, {name}, {int(waits)}, {ends}, {able})")
             waiting += [index] * waits
             place += field.width
         elif field.kind == "status":
@@ -366,7 +378,8 @@ def proof(groups, _):
             lines.append(f"`CONSTANT({begin}, {field.width}, {value})")
         if reg.strobe and field is reg.fields[-1]:
             name = f"{group.name}_{reg.name}, {group.name}.{reg.name}_written"
-            lines.append(f"`WRITTEN({on}, 10'h{reg.address >> 2:03x}, {name})")
+            low = next(f.low for f in reg.fields if f.acts)
+            lines.append(f"`WRITTEN({on}, 10'h{reg.address >> 2:03x}, {low}, {name})")
     names = [parameter(group) for group in groups if group.feature]
     count = len(_fields(groups))
     head = [

@@ -23,6 +23,8 @@ import sys
 import threading
 import time
 import traceback
+from concurrent import futures
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 from meissner.builds import toolchain
@@ -75,7 +77,7 @@ def size(block):
 
 
 def start(check, jobs):
-    """Run a check in its own process group, so that it can be stopped with all the tools it starts."""
+    """Run a check in its own process group, so that all the tools it starts end with it."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     stem = FOLDER / f"{check.kind}-{check.block.replace('/', '-')}"
     stem.with_suffix(".out").unlink(missing_ok=True)
@@ -89,10 +91,28 @@ def start(check, jobs):
             cwd=toolchain.ROOT, stdout=log, stderr=subprocess.STDOUT, start_new_session=True,
         )  # fmt: skip
         _, _, used = os.wait4(check.process.pid, 0)
+    stop(check.process)  # what it left behind
     check.seconds, check.cpu_s = time.monotonic() - began, used.ru_utime + used.ru_stime
     check.process, out = None, stem.with_suffix(".out")
     crashed = {"text": "", "broken": [f"ended without a result; see {stem.name}.log"]}
     return json.loads(out.read_text()) if out.exists() else crashed
+
+
+def stop(process):
+    """End a check with all that it has started."""
+    with contextlib.suppress(ProcessLookupError):  # all of it has ended
+        os.killpg(process.pid, signal.SIGKILL)
+
+
+@contextlib.contextmanager
+def interrupted_by(*signals):
+    """These signals end the run as Ctrl-C does, with its checks."""
+    kept = {one: signal.signal(one, lambda number, _: sys.exit(128 + number)) for one in signals}
+    try:
+        yield
+    finally:
+        for one, before in kept.items():
+            signal.signal(one, before)
 
 
 def one(kind, block, out, jobs):
@@ -109,7 +129,6 @@ def one(kind, block, out, jobs):
 
 def run(checks, jobs, seconds, told):
     """Run the checks, ``jobs`` at a time, for at most so many seconds (None: to the end)."""
-    until = None if seconds is None else time.monotonic() + seconds
     waiting, late, lock = queue.SimpleQueue(), threading.Event(), threading.Lock()
     for check in checks:
         waiting.put(check)
@@ -127,19 +146,19 @@ def run(checks, jobs, seconds, told):
                     check.facts = facts
                     told(check)
 
-    workers = [threading.Thread(target=work) for _ in range(jobs)]
-    for worker in workers:
-        worker.start()
-    try:
+    # A thread whose join is interrupted says that it has ended; a future does not.
+    with ThreadPoolExecutor(jobs) as pool, interrupted_by(signal.SIGTERM, signal.SIGHUP):
+        workers = [pool.submit(work) for _ in range(jobs)]
+        try:
+            futures.wait(workers, seconds)
+        finally:  # also if the user interrupts
+            late.set()
+            while not all(worker.done() for worker in workers):
+                for process in [check.process for check in checks if check.process]:
+                    stop(process)
+                time.sleep(0.1)
         for worker in workers:
-            worker.join(None if until is None else max(0, until - time.monotonic()))
-    finally:  # also if the user interrupts
-        late.set()
-        while any(worker.is_alive() for worker in workers):
-            for process in [check.process for check in checks if check.process]:
-                with contextlib.suppress(ProcessLookupError):  # it has just ended
-                    os.killpg(process.pid, signal.SIGKILL)
-            time.sleep(0.1)
+            worker.result()
 
 
 def write(checks, heading):

@@ -32,6 +32,7 @@ KEYS = {  # {kind: {key: type}}
     "faults": {
         "none": str,  # why no faults are injected
         "size": dict,  # which of the tests' sizes
+        "more": list,  # further ones, for parts of the block that a parameter chooses
         "short": dict,  # parameters of no test: timers that end while a recording lasts
         "program": dict,  # parameters of the program that are not those of the recording
         "inside": list,  # the block in which this one is run, as it waits for others there, and the instance

@@ -56,24 +56,29 @@ def wrapper(block, source):
     return f"module faults_top{header}\n  msn_{block} {given}u_block (.*);\nendmodule\n"
 
 
-def run_of(block):
-    """The arguments of the bench run to record: the block's first own run with the stated size."""
+def sizes(block):
+    """Which of its tests' sizes the block is run with: one, and one for each part that another chooses."""
+    return [stated(block, "size", {}), *stated(block, "more", [])]
+
+
+def run_of(block, wanted=None):
+    """The arguments of the bench run to record: the block's first own run with the wanted or stated size."""
     told = [run for run in benches.runs(block) if run["block"] == block and run["module"] == f"test_{block}"]
-    wanted = stated(block, "size", {})
+    wanted = sizes(block)[0] if wanted is None else wanted
     told = [run for run in told if evidence.fits(wanted, run["parameters"])]
     if not told:
         raise RuntimeError(f"{block}: its tests build nothing of size {wanted or 'any'} for a recording")
     return told[0] | {"parameters": told[0]["parameters"] | _spelt(stated(block, "short", {}))}
 
 
-def program_parameters(block):
+def program_parameters(block, size=None):
     """The parameters of the program: those of the recording, except where the tests state others."""
-    return run_of(block)["parameters"] | _spelt(stated(block, "program", {}))
+    return run_of(block, size)["parameters"] | _spelt(stated(block, "program", {}))
 
 
-def recording(block):
+def recording(block, size=None):
     """Path of the recording of the block's tests; made now if there is none for these sources."""
-    run = run_of(block)
+    run = run_of(block, size)
     test = toolchain.ROOT / f"tb/{run['stage']}/test_{block}.py"
     inputs = [test, *sorted(benches.imports(test))]
     inputs += toolchain.sources_of(f"msn_{block}")
@@ -167,9 +172,9 @@ def _compiled(source, folder, *flags):
     return target
 
 
-def program(block):
+def program(block, size=None):
     """Path of the block's program with the driver; built now if there is none for these sources."""
-    parameters = program_parameters(block)
+    parameters = program_parameters(block, size)
     sources = toolchain.sources_of(f"msn_{block}")
     own = next(path for path in sources if path.stem == f"msn_{block}").read_text()
     given = [f"-G{name}={value}" for name, value in parameters.items()]
@@ -220,12 +225,17 @@ def inject(block, count, seed):
         options = options | {"kept": " ".join(kept)}
     if instance:
         options = options | {"only": instance}
-    told = _run(around, count, seed, options)
-    for writes in stated(block, "writes", []):
-        told += _run(around, count, seed, options | writes | {"alone": 1})
-    tables = initial.only(toolchain.sources_of(f"msn_{around}"), f"msn_{around}", program_parameters(around))
-    told = [result for result in told if not result.where.startswith(tuple(f"{name}[" for name in tables))]
-    return [result for result in told if result.outcome != "constant"]  # not state; see the driver
+    found = []
+    for size in sizes(around):
+        told = _run(around, count, seed, options, size)
+        for writes in stated(block, "writes", []):
+            told += _run(around, count, seed, options | writes | {"alone": 1}, size)
+        parameters = program_parameters(around, size)
+        tables = initial.only(toolchain.sources_of(f"msn_{around}"), f"msn_{around}", parameters)
+        found += [
+            result for result in told if not result.where.startswith(tuple(f"{name}[" for name in tables))
+        ]
+    return [result for result in found if result.outcome != "constant"]  # not state; see the driver
 
 
 def kept_of(block):
@@ -241,9 +251,9 @@ def inside(instance, names):
     return [f"{instance}.&{name}" for name in names]
 
 
-def _run(block, count, seed, options):
+def _run(block, count, seed, options, size):
     given = [f"{key}={','.join(str(value).split())}" for key, value in options.items()]
-    command = [program(block), recording(block), count, seed, stated(block, "settle", 0), *given]
+    command = [program(block, size), recording(block, size), count, seed, stated(block, "settle", 0), *given]
     done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=LONG_S)
     if done.returncode:
         raise RuntimeError(f"{block}: {done.stderr}{done.stdout[-300:]} exit {done.returncode}")

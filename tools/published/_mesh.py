@@ -81,7 +81,9 @@ def two_points():
     scene = mesh_loads.cop_two_point()
     solution, (_, x, _) = scene.mesh.solve(scene.load), scene.truth()
     off = np.abs(solution.x - solution.y).max()
-    ours = f"on it to {max(off, 1e-15):.0e}; along it at most {np.abs(solution.x - x).max():.3f} off"
+    along = np.abs(solution.x - x).max()  # of the half range, on each axis
+    ours = f"on it to {max(off, 1e-15):.0e}; along it at most {100 * along / np.sqrt(2):.2f} % off "
+    ours += f"({along:.3f} of the half range on each axis)"
     what = "two points, 5×5, r = 47, 10 N"
     yield ("fig. 10", what, "on the straight line (curve)", ours, "none seen")
     scene = mesh_loads.cop_load()
@@ -160,8 +162,9 @@ def covers():
 
 def stroke():
     locus = covers()[mesh_loads.COVER_RADIUS][0]
-    ours = f"a circle of radius {locus['radius']:.4f}, out of round by {100 * locus['roundness']:.3f} %"
-    what = "a finger draws a circle of radius 0.5 on a hemisphere over 3×3, r = 47"
+    ours = f"for a radius of 0.5, chosen: a circle of {locus['radius']:.4f}, "
+    ours += f"out of round by {100 * locus['roundness']:.3f} %"
+    what = "a finger draws a circle, of no stated radius, on a hemisphere over 3×3, r = 47"
     apart = f"{NONE}; depends on the cover, below"
     yield ("figs. 14, 15", what, "a neat locus (curve)", ours, apart)
 

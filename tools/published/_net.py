@@ -76,8 +76,8 @@ def loop():
     half = len(time_s) // 4
     up, down = load[2 * half : 3 * half], load[3 * half :][::-1]
     at = np.argmin(np.abs(force_n[2 * half : 3 * half] - CYCLE_N / 2))
-    ours = f"at {CYCLE_N / 2:g} N: {up[at]:.2f} N rising, {down[at]:.2f} N falling"
-    what = f"load output over a cycle of 0.2 Hz, 0 to {CYCLE_N:g} N on the middle"
+    ours = f"0 to {CYCLE_N:g} N, chosen: at {CYCLE_N / 2:g} N {up[at]:.2f} N rising, {down[at]:.2f} N falling"
+    what = "load output over a cycle of 0.2 Hz on the middle, amplitude not printed"
     yield (
         "fig. 7",
         what,
@@ -116,7 +116,7 @@ def bare_rows():
     off = max(abs(found.x[0] - whole.x), abs(found.y[0] - whole.y))
     ours = f"loads on rubber as on the complete mesh, to {max(off, 1e-12):.0e}; 4 N on a bare one: no effect"
     what = "elements without rubber: every second row and column of 5×5 bare"
-    yield ("IV-E, fig. 5 (b)", what, "possible: r_p is infinite there", ours, "none")
+    yield ("fig. 5 (b), before V", what, "possible: r_p is infinite there", ours, "none")
 
 
 def cut_rows():

@@ -69,7 +69,7 @@ def of_pull():
     """)
     sliding = pull.tension_n[time_s > gross + 0.2]
     yield from rows_of(f"""
-        Fig. 5 | tangential force while it slides | almost constant
+        Fig. 5 | tangential force while it slides | constant
         | a sawtooth from {sliding.min():.2f} to {sliding.max():.2f} N | not as published, and above the
         static {pull.tension_n[round(gross * RATE)]:.2f} N: with a drive this stiff, sticks of random length
         go too far (the scenes' string is 250 times as soft)
@@ -98,8 +98,8 @@ def of_shear():
     converged = sheared(0.05, rubber.CONVERGED)[1]
     five = np.searchsorted(time_s, until + 5.0)
     yield from rows_of(f"""
-        Fig. 9 to 11, III | Vc after the shear stops, from 2 V at 0.05 mm/s | falls gradually (CoP slip: to
-        about 3 V in about 5 s; slip sensor, below: to the initial state)
+        Fig. 9 to 11, III | Vc after the shear stops, from 2 V at 0.05 mm/s | not stated (CoP slip: gradually
+        to about 3 V in about 5 s; slip sensor, below: gradually to the initial state)
         | after 5 s {restored[five]:.2f} V restored, {converged[five]:.2f} V converged | the papers
         disagree; `recovers` in a scene's condition selects one (default 1)
     """)

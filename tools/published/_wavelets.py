@@ -44,6 +44,36 @@ def largest(name, condition):
     return np.array(rows).T
 
 
+@cache
+def at_the_slip(name, condition):
+    """For each seed the largest coefficient within a millisecond of the slip of the whole contact."""
+    found = []
+    for seed in SEEDS:
+        run = recording(name, condition, seed)
+        coefficient, at = details(run)
+        found.append(np.abs(coefficient[np.abs(at - run.gross_s) <= 1e-3]).max())
+    return np.array(found)
+
+
+@cache
+def readings(name, condition, seeds=100):
+    """Median milliseconds from the first event to the first coefficient beyond THRESHOLD_V and to the first
+    peak to peak beyond twice that, in windows of 32; runs in which a coefficient is beyond it before."""
+    delays, false = [], 0
+    for seed in range(1, 1 + seeds):
+        run = scenes.simulate(scenes.load(name), condition, seed)
+        coefficient, at = details(run)
+        windows = coefficient[: len(coefficient) // 32 * 32].reshape(-1, 32)
+        spread = np.maximum.accumulate(windows, axis=1) - np.minimum.accumulate(windows, axis=1)
+        false += bool((np.abs(coefficient[at < run.onset_s]) > THRESHOLD_V).any())
+        beyond = np.abs(coefficient) > THRESHOLD_V, spread.ravel() > 2 * THRESHOLD_V
+        delays.append(
+            [at[: len(one)][one & (at[: len(one)] >= run.onset_s)][0] - run.onset_s for one in beyond]
+        )
+    literal, both = 1e3 * np.median(delays, axis=0)
+    return literal, both, false
+
+
 def volts(values):
     mean, low, high = values.mean(), values.min(), values.max()
     return f"largest of a run {mean:.4f} V in the mean ({low:.4f} to {high:.4f}), {len(values)} runs"

@@ -14,10 +14,12 @@ from published import _capacitive_pictures, rows_of, section
 TITLE = "Performance Analysis of a Tactile Sensor (8×8 capacitive array)"
 HEAD = """
 Siegel, Drucker, Garabieta, 1987. Only the text and axes of the paper's figures are known here; where it
-prints no number, none is compared. The text is uncertain in two places: equations 2 to 7 call the direction
-of the force x in one sentence and z in the next (x here), and the signs and subscripts of equation 15 are
-illegible (Kirchhoff's law at the amplifier gives the equation). The rows of objects give the applied load,
-the reported load, and the load with the second-order term of [capacitive.md](../capacitive.md).
+prints no number, none is compared. The text is uncertain in three places: equations 2 to 7 call the direction
+of the force x in one sentence and z in the next (x here), the signs and subscripts of equation 15 are
+illegible (Kirchhoff's law at the amplifier gives the equation), and the section on the design has an
+amplifier for each row and drives the columns, those on fabrication and calibration the reverse (as here). The
+rows of objects give the applied load, the reported load, and the load with the second-order term of
+[capacitive.md](../capacitive.md).
 """
 SEEDS = range(1, 9)
 PER_MM2 = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2
@@ -121,7 +123,8 @@ def crosstalk():
         | demodulated carrier at most {1e3 * summary["difference_from_eq18_v"]:.2g} mV of 10 V off |
         {10 * summary["difference_from_eq18_v"]:.2g} %
 
-        2 | “gain over about 200 is adequate”: output near 10 V | about 10 V
+        2 | output over the gain: “for gain over approximately 200, adequate performance is obtained” | 10 V
+        ideally
         | at G = 200 {volts} V; with a phase lag of 90°, as of a compensated amplifier, {lagging} % low |
         {100 * rows[0]["low_by"]:.1f} to {100 * rows[80]["low_by"]:.0f} % low
 
@@ -137,8 +140,10 @@ def cell():
     rows = summary["conditions"]
     spread = [100 * row["of_the_mean"] for row in rows]
     return rows_of(f"""
-        4, 5 | response from 0 to 150 g and back in a second | linear
-        | within {over_seeds("cell", "off_the_line_g")} g of the straight line that fits it best |
+        4, 5 | up and down at about 1 Hz, no grams printed (4); 0 to 150 g and back, no rate printed (5)
+        | linear (4)
+        | 150 g in a cycle of a second: within {over_seeds("cell", "off_the_line_g")} g of the straight line
+        that fits it best |
         {100 * summary["off_the_line_g"] / 150:.2g} % of 150 g
 
         5 | loading and unloading | differ within the noise
@@ -178,7 +183,8 @@ def images():
         return f"{row['load_g']:.0f}, {row['reported_g']:.0f}, {row['second_order_g']:.0f} g"
 
     return rows_of(f"""
-        8 | peaks of three cells, probe in steps of 0.1 mm | about 2 mm apart
+        8 | peaks of three cells, probe of 100 g in steps of 0.1 mm (the caption has “OSmm”, perhaps 0.5)
+        | about 2 mm apart
         | {select["peaks_apart_mm"]:.2f} mm ({select["peaks_apart_from_mm"]:.3f} to
         {select["peaks_apart_to_mm"]:.3f}) | pitch {PITCH_MM} mm
 
@@ -186,7 +192,7 @@ def images():
         | a neighbour reads {100 * select["neighbour_at_a_centre"]:.1f} % over a cell's centre | no number
         printed
 
-        calibration | differences of cells | mostly the columns' amplifiers
+        calibration | differences of cells | the columns' amplifiers contribute heavily
         | columns are {min(share):.0f} to {max(share):.0f} % of the gains' variance (seeds 1 to 8) | no
         number printed
 

@@ -46,12 +46,15 @@ def section(axis, rows):
 
 
 def record(results):
-    """The record for `meissner choose`: the front and the shipped point of each axis."""
-    kept = {}
-    for name, entry in results.items():
-        points = [row for row in entry["points"] if row["front"] or row["shipped"]]
-        kept[name] = entry | {"points": points}
-    return kept
+    """The record for `meissner choose`: every point of the axis slip, which alone it does not measure itself,
+    with the judged figures. A front would lack points that are best behind one converter only."""
+    judged = table.named("slip").judged
+    of = lambda found: {key: found[key] for key in judged if key in found}
+    points = [
+        {"point": row["point"], "cost": of(row["cost"]), "error": of(row["error"])}
+        for row in results["slip"]["points"]
+    ]
+    return {"slip": {"points": points}}
 
 
 def text(before, heading, axes, rows):

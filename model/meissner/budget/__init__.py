@@ -2,7 +2,7 @@
 
 Without ``--cop4`` it prints the latency of a scanned array (meissner.budget.array), with it the resolution of
 a four-wire sensor (meissner.budget.cop4). With ``--config`` it prints the budget of each feature of a build
-(meissner.builds.features), from the module here that has the feature's name.
+(meissner.builds.features), or that of its sensor, from the module here that has the name.
 """
 
 import json
@@ -28,7 +28,7 @@ def _picture(out):
 def command(arguments):
     """``meissner budget``."""
     if arguments.config is not None:
-        _features(arguments)
+        _config(arguments)
         return
     side = 41 if arguments.cop4 else 64
     for name in ("rows", "columns"):
@@ -56,20 +56,15 @@ def command(arguments):
         print(f"\npicture: {_picture(arguments.out)}")
 
 
-def _features(arguments):
+def _config(arguments):
     from meissner.builds import config
-    from meissner.builds.features import FEATURES
 
     if arguments.cop4 or arguments.out:
         raise ValueError("--config must go without --cop4 and --out")
     build = config.load(arguments.config)
-    if not build.features:
-        known = ", ".join(f"[{name}]" for name in FEATURES)
-        raise ValueError(
-            f"{build.name} has none of the features with a budget, {known}; the configuration grip has one"
-        )
-    modules = {name: import_module(f"meissner.budget.{name}") for name in build.features}
-    found = {name: module.budget(build) for name, module in modules.items()}
+    names = build.features or (build.kind,)
+    modules = {name: import_module(f"meissner.budget.{name}") for name in names}
+    found = {name: module.of_config(build) for name, module in modules.items()}
     if arguments.json:
         print(json.dumps(found if len(found) > 1 else next(iter(found.values())), indent=2))
     else:
@@ -94,7 +89,7 @@ def _array(arguments):
         carrier = {name: getattr(arguments, name) for name in names}
     found = array.budget(
         *(arguments.rows, arguments.columns, arguments.clock, array.part_of(arguments.adc)),
-        *(arguments.converters, arguments.settle_us * 1e-6, arguments.channels, arguments.sclk_khz, carrier),
+        *(arguments.converters, arguments.settle_us, arguments.channels, arguments.sclk_khz, carrier),
         *(not arguments.no_health, not arguments.no_tare, arguments.bits_per_clock),
     )
     if arguments.json:

@@ -2,7 +2,12 @@
 tb/sensor/test_array_pins.py.
 """
 
+from contextlib import suppress
+
 from meissner.budget.terms import table
+from meissner.builds.units import Units
+from meissner.physics.adc import old_rows, unsettled
+from meissner.tables import exact
 from meissner.twins.frontend.adc_spi import PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
@@ -62,7 +67,7 @@ def budget(
     clock_hz,
     part,
     converters=None,
-    settle_s=1e-6,
+    settle_us=1.0,
     channels=None,
     sclk_khz=None,
     carrier=None,
@@ -75,17 +80,15 @@ def budget(
 
     ValueError if it cannot be built.
     """
-    if not 1e3 <= clock_hz <= 4e8 or clock_hz % 1e3:
-        raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e3 to 4e8 Hz")
+    if not 1e6 <= clock_hz <= 2e8 or clock_hz % 1e3:
+        raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e6 to 2e8 Hz")
     if converters is not None and converters not in LANES:
         raise ValueError(f"converters = {converters} must be one of: {', '.join(map(str, LANES))}")
-    if not 0 <= settle_s < 1:
-        raise ValueError(f"settle = {settle_s * 1e6:g} us must lie in 0 .. 1e6")
-    settle = -int(-settle_s * clock_hz // 1)
+    if not 0 <= settle_us <= 1000:
+        raise ValueError(f"settle-us = {settle_us:g} must lie in 0 .. 1000")
+    settle = Units(clk_khz=round(clock_hz / 1e3)).settle_clocks(exact(settle_us) / 1_000_000)
     if settle > 65535:
-        raise ValueError(
-            f"settle = {settle_s * 1e6:g} us is {settle} clocks, more than the 65535 of its register"
-        )
+        raise ValueError(f"settle-us = {settle_us:g} is {settle} clocks, more than the 65535 of its register")
 
     def found(lanes):
         if channels is not None or carrier is not None:
@@ -104,26 +107,7 @@ def budget(
     def found_with(lanes, channels):
         scan = scan_of(rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier)
         array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock=bits_per_clock)
-        clocks, steps = terms(array, settle)
-        total = sum(clocks.values())
-        assert total == steps["total"]
-        return {
-            "rows": rows,
-            "columns": columns,
-            "adc": part.name,
-            "converters": lanes,
-            "channels": channels,
-            "clock_hz": clock_hz,
-            "settle_clocks": settle,
-            "terms_clocks": clocks,
-            "compute_clocks": steps["compute"],
-            "total_clocks": total,
-            "total_s": total / clock_hz,
-            "slot_clocks": steps["slot"],
-            "frame_clocks": steps["frame"],
-            "frames_per_second": clock_hz / steps["frame"],
-            "within_1_ms": total / clock_hz < BUDGET_S,
-        }
+        return measured(array, settle, clock_hz, lanes, channels)
 
     if converters is not None:
         return found(converters) | {"converters_needed": needed(found)}
@@ -131,11 +115,48 @@ def budget(
     return found(best or LANES[-1]) | {"converters_needed": best}
 
 
+def measured(array, settle, clock_hz, converters, channels, volts=None):
+    """The latency of ``array``; ``settle``: clocks; ``volts``: its converters' full scale, None: any."""
+    clocks, steps = terms(array, settle)
+    total, part = sum(clocks.values()), array.scan.part
+    assert total == steps["total"]
+    return {
+        "rows": array.rows,
+        "columns": array.columns,
+        "adc": part.name,
+        "converters": converters,
+        "channels": channels,
+        "clock_hz": clock_hz,
+        "settle_clocks": settle,
+        "terms_clocks": clocks,
+        "compute_clocks": steps["compute"],
+        "total_clocks": total,
+        "total_s": total / clock_hz,
+        "slot_clocks": steps["slot"],
+        "frame_clocks": steps["frame"],
+        "frames_per_second": clock_hz / steps["frame"],
+        "within_1_ms": total / clock_hz <= BUDGET_S,
+        "old_row": old_rows(part.name, settle / clock_hz, volts),
+    }
+
+
+def of_config(config):
+    """The budget of a build of an array: meissner.builds.build.Config."""
+    adc, clock_hz = config.adc, 1e3 * config.clk_khz
+    limits, zeros = Limits() if config.health else None, {} if config.tare else None
+    array = Array(config.scan, limits, zeros, row_column=config.array.gains == "row_column")
+    found = measured(array, config.settle_clocks, clock_hz, adc.converters, adc.channels, adc.volts)
+    given = adc.channels, adc.sclk_khz, None, config.array.health, config.array.tare
+    least = budget(*config.shape, clock_hz, config.part, None, adc.settle_us, *given)
+    return found | {"config": config.name, "converters_needed": least["converters_needed"]}
+
+
 def needed(found):
-    """The fewest converters with which ``found`` meets the budget, or None."""
+    """The fewest converters with which ``found`` meets the budget, or None; some numbers cannot be built."""
     for lanes in LANES:
-        if found(lanes)["within_1_ms"]:
-            return lanes
+        with suppress(ValueError):
+            if found(lanes)["within_1_ms"]:
+                return lanes
     return None
 
 
@@ -153,10 +174,12 @@ def tell(found):
         verdict += "scan a smaller array or take a faster part"
     elif needs != found["converters"]:
         verdict += f"; 1 ms needs {needs} of these converters"
+    warned = unsettled(found["adc"], found["settle_clocks"] / found["clock_hz"], found["old_row"])
     return [
         verdict,
         f"{found['rows']}×{found['columns']} taxels, {kind}, {found['clock_hz'] / 1e6:g} MHz, "
         f"settle {found['settle_clocks']} clocks",
+        *([f"warning: {warned}"] if warned else []),
         "",
         *table(found, NAMES, "from first convert to CoP"),
         "",

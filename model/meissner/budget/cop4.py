@@ -2,15 +2,17 @@
 
     x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / D        N = M = I R0, D = E1+E3-E2-E4
 
-The mesh is solved with one point pressed at places all over it. The converter spans +-ROOM V0 at the
-electrodes, through whatever divider that needs: one code is q = 2 ROOM V0 / 2^bits there, and each electrode
-is wrong by at most q/2. With a differential gain g above 1, two more channels convert g (E1-E3) and
-g (E2-E4), so these differences are wrong by at most q/2g; N, M and D still come from the four electrodes.
+The mesh is solved with one point pressed at places all over it. The converter spans +-range_v at the
+electrodes, by default ROOM V0, through whatever divider that needs: one code is q = 2 range_v / 2^bits there,
+and each electrode is wrong by at most q/2. With a differential gain g above 1, two more channels convert
+g (E1-E3) and g (E2-E4), so these differences are wrong by at most q/2g; N, M and D still come from the four
+electrodes.
 Each result is a ratio of linear functions, so its greatest error lies at a corner of those intervals and is
 exact, not an estimate.
 
-Not included: noise (give the converter's effective bits), the layers' own drop (docs/mesh.md, Correction)
-and the core's rounding (meissner.twins.cop.cop4.cop4).
+Noise of ``noise_v`` rms at each electrode enters the rms errors only: a greatest error of noise has no bound.
+Not included: the layers' own drop (docs/mesh.md, Correction) and the core's rounding
+(meissner.twins.cop.cop4.cop4).
 """
 
 from dataclasses import dataclass
@@ -36,18 +38,18 @@ class Circuits:
     d: np.ndarray
 
 
-def code_v(mesh, bits):
+def code_v(mesh, bits, range_v=None):
     """Volts at an electrode for one code of a converter with ``bits`` bits."""
-    return 2 * ROOM * mesh.V0 / 2**bits
+    return 2 * (range_v or ROOM * mesh.V0) / 2**bits
 
 
-def greatest_gain(mesh):
+def greatest_gain(mesh, range_v=None):
     """The differential gain beyond which E1-E3 or E2-E4 may leave the converter's range; inf for one taxel.
 
     |E1-E3| <= N / Cx, and N stays below 2 V0.
     """
     spans = [C for C in (mesh.Cx, mesh.Cy) if C]
-    return ROOM * min(spans) / 2 if spans else float("inf")
+    return (range_v or ROOM * mesh.V0) * min(spans) / (2 * mesh.V0) if spans else float("inf")
 
 
 def solve(mesh, load_n):
@@ -67,7 +69,12 @@ def solve(mesh, load_n):
     return Circuits(*np.concatenate(values, axis=1))
 
 
-def position(C, at, n, q, gain):
+def _rms(q, noise_v):
+    """Volts rms of an electrode: steps of ``q`` and noise."""
+    return np.hypot(q / np.sqrt(12), noise_v)
+
+
+def position(C, at, n, q, gain, noise_v=0.0):
     """Step of one code, greatest error, rms error [places] of a coordinate ``at`` with its constant ``C``.
 
     ``n`` volts; ``q`` volts a code. Rms: to first order, for independent errors uniform over their
@@ -86,33 +93,33 @@ def position(C, at, n, q, gain):
         wrong = [np.abs(np.clip(C * (difference + a) / (n - b), -1, 1) - at) for a, b in corners]
     # Where the errors can reach N itself, any result in -1 .. 1 is possible.
     greatest = np.where(n > q, np.max(wrong, axis=0), 1 + np.abs(at))
-    return np.stack([C * q / gain / n, greatest, rms * q / np.sqrt(12) / n])
+    return np.stack([C * q / gain / n, greatest, rms * _rms(q, noise_v) / n])
 
 
-def load(Kf, n, d, q):
+def load(Kf, n, d, q, noise_v=0.0):
     """Step of one code of D, greatest error (inf: not resolved) and rms error, as fractions of the load."""
     corners = [(a, b) for a in (-q, q) for b in (-q, q)]
     with np.errstate(divide="ignore", invalid="ignore"):
         wrong = [np.abs((n - a) / n * d / (d + a - b) - 1) for a, b in corners]
     greatest = np.where(d > 2 * q, np.max(wrong, axis=0), np.inf)
-    return np.stack([q / d, greatest, np.hypot(1 / n + 1 / d, 1 / d) * q / np.sqrt(6)])
+    return np.stack([q / d, greatest, np.hypot(1 / n + 1 / d, 1 / d) * np.sqrt(2) * _rms(q, noise_v)])
 
 
-def _worst(mesh, circuits, bits, gain):
+def _worst(mesh, circuits, bits, gain, range_v=None, noise_v=0.0):
     """Step, greatest and rms error of x, y (fractions of the range) and load, at the worst places."""
-    q = code_v(mesh, bits)
-    x = position(mesh.Cx, circuits.x, circuits.n, q, gain).max(axis=1) / 2
-    y = position(mesh.Cy, circuits.y, circuits.n, q, gain).max(axis=1) / 2
-    return x, y, load(mesh.Kf, circuits.n, circuits.d, q).max(axis=1)
+    q = code_v(mesh, bits, range_v)
+    x = position(mesh.Cx, circuits.x, circuits.n, q, gain, noise_v).max(axis=1) / 2
+    y = position(mesh.Cy, circuits.y, circuits.n, q, gain, noise_v).max(axis=1) / 2
+    return x, y, load(mesh.Kf, circuits.n, circuits.d, q, noise_v).max(axis=1)
 
 
 def _finite(value):
     return float(value) if np.isfinite(value) else None
 
 
-def _row(mesh, circuits, bits, gain):
+def _row(mesh, circuits, bits, gain, **converter):
     names = ("step", "greatest", "rms")
-    parts = zip(("x", "y", "load"), _worst(mesh, circuits, bits, gain))
+    parts = zip(("x", "y", "load"), _worst(mesh, circuits, bits, gain, **converter))
     return {what: {name: _finite(v) for name, v in zip(names, values)} for what, values in parts}
 
 
@@ -122,7 +129,7 @@ def pitch(mesh):
     return 0.5 / (side - 1) if side > 1 else None
 
 
-def budget(mesh, bits=16, gain=1.0, load_n=5.0):
+def budget(mesh, bits=16, gain=1.0, load_n=5.0, range_v=None, noise_v=0.0):
     """The budget as a dict of numbers (None: no such number); ValueError if it cannot be computed.
 
     ``loads``: rows over the load at ``bits`` and ``gain``; ``sweep``: rows over bits and gain at ``load_n``;
@@ -136,7 +143,7 @@ def budget(mesh, bits=16, gain=1.0, load_n=5.0):
         raise ValueError(f"gain = {gain:g} must be 1 (no difference amplifiers) or more")
     if not 0 < load_n < float("inf"):
         raise ValueError(f"load = {load_n:g} must be a number of newtons above 0")
-    top = greatest_gain(mesh)
+    top, converter = greatest_gain(mesh, range_v), {"range_v": range_v, "noise_v": noise_v}
     if gain > top:
         raise ValueError(
             f"gain = {gain:g} is beyond {top:.4g}: a difference could leave the converter's range"
@@ -144,22 +151,22 @@ def budget(mesh, bits=16, gain=1.0, load_n=5.0):
     gains = [g for g in GAINS if g == 1 or g <= top]
     circuits = {load_n * part: solve(mesh, load_n * part) for part in LOADS}
     loads = [
-        {"load_n": force, "n_v": float(c.n.min()), "d_v": float(c.d.min())} | _row(mesh, c, bits, gain)
+        {"load_n": force, "n_v": float(c.n.min()), "d_v": float(c.d.min())}
+        | _row(mesh, c, bits, gain, **converter)
         for force, c in circuits.items()
     ]
     here = circuits[load_n]
-    sweep = [{"bits": b, "gain": g} | _row(mesh, here, b, g) for g in gains for b in SWEEP]
+    sweep = [{"bits": b, "gain": g} | _row(mesh, here, b, g, **converter) for g in gains for b in SWEEP]
     load_sweep = [
-        {"bits": b, "load_n": force, "greatest": _row(mesh, c, b, 1)["load"]["greatest"]}
+        {"bits": b, "load_n": force, "greatest": _row(mesh, c, b, 1, **converter)["load"]["greatest"]}
         for force, c in circuits.items()
         for b in SWEEP
     ]
     half = pitch(mesh)
     needed = []
     for g in gains if half else ():
-        enough = (
-            b for b in range(BITS[0], BITS[1] + 1) if max(a[1] for a in _worst(mesh, here, b, g)[:2]) < half
-        )
+        worst = lambda b, g=g: max(axis[1] for axis in _worst(mesh, here, b, g, **converter)[:2])
+        enough = (b for b in range(BITS[0], BITS[1] + 1) if worst(b) < half)
         needed.append({"gain": g, "bits": next(enough, None)})
     return {
         "rows": mesh.m,
@@ -174,8 +181,9 @@ def budget(mesh, bits=16, gain=1.0, load_n=5.0):
         "bits": bits,
         "gain": gain,
         "load_n": load_n,
-        "range_v": ROOM * mesh.V0,
-        "code_v": code_v(mesh, bits),
+        "range_v": range_v or ROOM * mesh.V0,
+        "code_v": code_v(mesh, bits, range_v),
+        "noise_v": noise_v,
         "greatest_gain": _finite(top),
         "places": len(here.x),
         "half_pitch": half,

@@ -28,7 +28,8 @@ def tell(found):
         f"{f['rows']}×{f['columns']}, r = {f['r_ohm']:g} Ω, R0 = {f['R0_ohm']:g} Ω, V0 = ±{f['V0_v']:g} V, "
         f"k = {f['k_n_ohm']:g} N·Ω: Cx = {f['Cx']:.5g}, Cy = {f['Cy']:.5g}, Kf = {f['Kf_n']:.4g} N",
         f"{f['bits']} bits over ±{f['range_v']:g} V at the electrodes, {f['code_v'] * 1e6:.4g} µV a code; "
-        f"differential gain {f['gain']:g}, at most {'any' if gain is None else f'{gain:.4g}'}",
+        f"differential gain {f['gain']:g}, at most {'any' if gain is None else f'{gain:.4g}'}; "
+        f"noise of {f['noise_v'] * 1e6:.4g} µV, in the rms errors",
         f"one point, worst of {f['places']} places; errors of x, y in % of the range from -1 to 1, "
         "of the load in % of the load",
         "",

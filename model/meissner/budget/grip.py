@@ -1,14 +1,10 @@
 """Latency from the sample that shows slip to the command word: the terms that the blocks' headers give."""
 
+from meissner.budget import channels
 from meissner.budget.terms import table
-from meissner.twins.slip.peak_to_peak import latency
 
 MOST = 16  # clocks that a command word may take
-NAMES = {
-    "frame_filter": "pass complete frames only",
-    "haar": "detail of the sample's group",
-    "peak_to_peak": "peak-to-peak of the window so far",
-    "slip": "compare, update the state",
+NAMES = channels.NAMES | {
     "count": "count the window for its finger",
     "join": "combine the fingers; a cycle begins",
     "goal": "the goal within its limits",
@@ -17,15 +13,10 @@ NAMES = {
 }
 
 
-def budget(config):
+def of_config(config):
     """The numbers of ``meissner budget --config``; ``config``: meissner.builds.build.Config with [grip]."""
-    slip, reflex = config.slip, config.features["grip"].grip
-    terms = {
-        "frame_filter": 1,
-        "haar": slip.level,
-        "peak_to_peak": latency(slip.window >> slip.level, slip.hop >> slip.level),
-    }
-    terms |= {"slip": 2, "count": 1, "join": 1, "goal": 1, "command": 1}
+    reflex = config.features["grip"].grip
+    terms = channels.slip_terms(config.slip) | {"count": 1, "join": 1, "goal": 1, "command": 1}
     if reflex.immediate:
         terms["after another"] = 1
     total = sum(terms.values())

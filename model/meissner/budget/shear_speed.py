@@ -15,7 +15,7 @@ NAMES = {
 }
 
 
-def budget(config):
+def of_config(config):
     """``config``: meissner.builds.build.Config with [shear_speed]."""
     settings = config.features["shear_speed"].shear
     terms = {

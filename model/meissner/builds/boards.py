@@ -71,7 +71,8 @@ class Board:
         ValueError
             If the board lacks the pins or the clock.
         """
-        return pins.assign(pins.description(self.name), label(name), self.parameters(name))
+        build = self.config(name)
+        return pins.assign(pins.description(self.name), label(name), build.parameters, build.slip_pins)
 
     def parameters(self, name: str) -> dict[str, int]:
         """Parameters of rtl/msn_core.sv for this board with that configuration."""
@@ -100,10 +101,10 @@ def label(name: str) -> str:
     return f"{stem}.toml" if stem in config.names() else stem  # a user's slip1.toml is not the named one
 
 
-def sizes(parameters: dict[str, int]) -> dict[str, int]:
-    """The parameters of msn_core that rtl/boards needs, by the names of its macros."""
+def sizes(parameters: dict[str, int], slip_pins: int = 0) -> dict[str, int]:
+    """What rtl/boards needs to know, by the names of its macros; ``slip_pins``: channels with a pin each."""
     converters = parameters.get("Converters", 1)
-    return {
+    found = {
         "CLK_KHZ": parameters["ClkKhz"],
         "ROWS": parameters.get("Rows", 1),
         "ROW_PINS": pins.row_pins(parameters),
@@ -111,6 +112,7 @@ def sizes(parameters: dict[str, int]) -> dict[str, int]:
         "DATA_LINES": converters * parameters.get("AdcLanes", 1),
         "GROUP_BITS": max((pins.groups(parameters) - 1).bit_length(), 1),
     }
+    return found | ({"SLIP_PINS": slip_pins} if slip_pins else {})
 
 
 def _write(path: Path, text: str) -> None:
@@ -123,11 +125,11 @@ def _write(path: Path, text: str) -> None:
     os.replace(fresh.name, path)
 
 
-def write_build(folder: str, parameters: dict[str, int]) -> None:
+def write_build(folder: str, parameters: dict[str, int], slip_pins: int = 0) -> None:
     """Write the configuration as the macros that rtl/boards reads; makes ``folder``, relative to ROOT."""
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
     listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
-    macros: dict[str, object] = {**sizes(parameters), "PARAMETERS": listed}
+    macros: dict[str, object] = {**sizes(parameters, slip_pins), "PARAMETERS": listed}
     text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
     _write(ROOT / folder / "msn_build.svh", "// Written by meissner.builds.boards.\n" + text)
 
@@ -135,7 +137,7 @@ def write_build(folder: str, parameters: dict[str, int]) -> None:
 def write_board(folder: str, board: Board, name: str) -> pins.Plan:
     """Write a board's files: macros, top, constraints and the pin map; returns the Plan."""
     plan = board.plan(name)
-    write_build(folder, board.parameters(name))
+    write_build(folder, board.parameters(name), board.config(name).slip_pins)
     for file, text in (
         (f"{board.top}.sv", board_files.top(plan)),
         (f"{board.top}{board.constraints}", board_files.constraints(plan, board.constraints)),

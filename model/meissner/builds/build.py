@@ -1,15 +1,21 @@
 """A build as derived from its configuration: RTL parameters, register values and units."""
 
 from dataclasses import asdict, dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
-from math import ceil
+from math import ceil, floor
 from typing import Any
 
+from meissner.builds import input_range
 from meissner.builds.features import FEATURES
+from meissner.builds.input_range import Sensed, Wiring
 from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
 from meissner.builds.units import Units
+from meissner.physics.adc import Adc as Converter
+from meissner.physics.adc import old_rows, unsettled
 from meissner.physics.cop4_config import Cop4Config
-from meissner.tables import exact, values
+from meissner.tables import exact, naming, values
+from meissner.twins.cop.cop4 import LOAD_BITS
 from meissner.twins.cop.cop_slip import CopSlipRegisters
 from meissner.twins.frontend.adc_spi import AdcSpi, Part
 from meissner.twins.frontend.scan_adc import ScanAdc
@@ -68,6 +74,11 @@ class Config:
         return 4 if isinstance(self.sensor, Electrodes) else 1
 
     @property
+    def slip_pins(self) -> int:
+        """Channels whose slip has a pin of its own."""
+        return self.channels if self.link.slip_pins else 0
+
+    @property
     def sample_bits(self) -> int:
         return 13 if self.serial else SAMPLE_BITS
 
@@ -83,7 +94,7 @@ class Config:
         """{name in core.widths: bits in this build}."""
         rows, columns = self.shape
         level = self.slip.level if self.slip else 1
-        summed = self.array is not None and self.array.gains == "row_column" and not self.array.tare
+        summed = self.array is not None and self.array.gains == "row_column"
         load = min(32, 16 + (rows * columns - 1).bit_length())
         offset = 16 if summed else 17
         return {"detail": self.sample_bits + level, "timer": self.timer_bits, "load": load, "offset": offset}
@@ -101,6 +112,14 @@ class Config:
     def settle_clocks(self) -> int:
         return max(1, ceil(exact(self._array_adc.settle_us) * self.clk_khz / 1000))
 
+    @property
+    def unsettled(self) -> str:
+        """The sentence about the old row that the converters' low pass leaves; empty if it settles."""
+        if not self.array:
+            return ""
+        settle_s = self.settle_clocks / (1000 * self.clk_khz)
+        return unsettled(self.adc.part, settle_s, old_rows(self.adc.part, settle_s, self.adc.volts))
+
     @cached_property
     def scan(self) -> ScanAdc:
         """Twin of the scan, for an array."""
@@ -117,9 +136,38 @@ class Config:
         sizes = (self.part, self.channels, self.adc.lanes, self.clk_khz, self.adc.sclk_khz)
         return AdcSpi(*sizes, self.sample_bits)
 
+    @cached_property
+    def input(self) -> Converter:
+        """The converter's range, codes and noise."""
+        return input_range.converter(self.part, self.adc.volts)
+
     @property
     def volts_per_code(self) -> float:
-        return self.adc.volts / (1 << self.part.data_bits - self.part.signed)
+        return self.input.lsb_v
+
+    @property
+    def _sensed(self) -> tuple[Converter, Sensed, Wiring]:
+        """A pull-up is usual where the code falls with the force."""
+        assert isinstance(self.sensor, Sensed)
+        falls = self.slip is not None and not self.array and not self.slip.contact_rises
+        return self.input, self.sensor, self.sensor.wiring or ("pulled_up" if falls else "pulled_down")
+
+    @property
+    def rails(self) -> input_range.Rails:
+        """The codes that mean a fault of a taxel or a finger."""
+        return input_range.rails(*self._sensed)
+
+    @property
+    def rest_code(self) -> int:
+        """The code of a sensor at rest."""
+        return int(self.input.convert(input_range.rest(*self._sensed))[0])
+
+    @property
+    def most_force(self) -> int:
+        """The largest force code of a taxel: with the largest gain, and at most that of 16 bits."""
+        assert self.array
+        gain = Fraction(65535, 4096) ** (2 if self.array.gains == "row_column" else 1)
+        return min(65535, floor((self.input.max_code - self.rest_code) * gain + Fraction(1, 2)))
 
     @property
     def units(self) -> Units:
@@ -133,9 +181,14 @@ class Config:
             rate_hz=self.rate_hz,
         )
         if self.array:
-            newtons, pitch = self.array.newtons_per_count, self.array.pitch_mm
-            return replace(known, newtons_per_code=newtons, pitch_mm=pitch)
+            newtons, pitch, most = self.array.newtons_per_count, self.array.pitch_mm, self.most_force
+            known = replace(known, codes=(0, most), most_load=rows * columns * most)
+            known = replace(known, newtons_per_code=newtons, pitch_mm=pitch)
+            with naming("[cop]: min_load_n"):
+                return replace(known, min_load=known.load_code(self.min_load_n))
         load = self.cop4.load_lsb_n if self.cop4 else None
+        known = replace(known, codes=(self.input.min_code, self.input.max_code))
+        known = replace(known, most_load=(1 << LOAD_BITS) - 1)
         return replace(known, volts_per_code=self.volts_per_code, newtons_per_code=load)
 
     @property
@@ -144,14 +197,15 @@ class Config:
         found = {"link.images": int(self.link.images)}
         if self.array:
             found |= {"scan.enable": 1, "scan.settle": self.settle_clocks, "scan.period": self.period_clocks}
-            found |= {"calibrate.preset": 4096, "cop.min_load": self.units.load_code(self.min_load_n)}
+            found |= {"calibrate.preset": 4096, "cop.min_load": self.units.min_load or 0}
             if self.health:
-                top = (1 << self.part.data_bits - self.part.signed) - 1
-                low = -top - 1 if self.part.signed else 0
-                found |= {f"health.{key}": value for key, value in values(self.health).items()}
-                found |= {"health.low": low, "health.high": top}
+                given = values(self.health)
+                # A sample is marked over-range at either end: low and high say which end is a fault.
+                found |= {"health.use.user": 0, "health.use.edges": int(given.pop("edges"))}
+                found |= {f"health.{key}": value for key, value in given.items()}
+                found |= {f"health.{key}": code for key, code in self.rails._asdict().items()}
             if self.tare:
-                found |= {"tare.contact": self.tare.contact_codes, "tare.step": self.tare.step}
+                found |= {"tare.contact": values(self.tare)["contact_codes"], "tare.step": self.tare.step}
         else:
             found |= {"adc.enable": 1, "adc.period": self.period_clocks}
         if self.slip:
@@ -199,6 +253,7 @@ class Config:
 
     def check(self) -> "Config":
         """This Config; ValueError if its numbers do not fit together."""
+        self._codes_occur()
         if self.array:
             needed = self.scan.latency(self.settle_clocks)["frame"]
             what = "a scan"
@@ -241,6 +296,8 @@ class Config:
             FEATURES[name].check(self)
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
+        if self.link.slip_pins and self.kind != "channels":
+            raise ValueError("[link]: slip_pins must go with single channels")
         if self.link.images and not self.array:
             raise ValueError("[link]: images must go with an array")
         if self.link.baud * 4 > self.clk_khz * 1000:
@@ -252,6 +309,34 @@ class Config:
             self._images_pass()
         reset_word(self.settings, self.widths)
         return self
+
+    def _codes_occur(self) -> None:
+        """ValueError for a level in codes that no sample of this sensor reaches, or that undoes another."""
+        span, above = self.input.max_code - self.input.min_code, 0
+        if not isinstance(self.sensor, Electrodes):
+            with naming("[sensor]"):
+                above = self.input.max_code - self.rest_code
+        levels = [("[tare]: contact_codes", values(self.tare)["contact_codes"], above)] if self.tare else []
+        if self.health:
+            band, jump, blink = (values(self.health)[key] for key in ("band", "jump", "blink"))
+            levels += [("[health]: band", band, span)] + ([("[health]: jump", jump, span)] if blink else [])
+            if blink and jump < band:
+                raise ValueError(f"[health]: jump = {jump} must be at least band = {band}: a jump is a move")
+        for name, value, most in levels:
+            if value >= most:
+                raise ValueError(f"{name} = {value} must be below {most}, the largest step of this converter")
+        if self.slip:
+            rest, release = 0 if self.array else self.rest_code << self.slip.level, self.slip.release_level
+            if rest >= release if self.slip.contact_rises else rest <= release:
+                if self.array:
+                    raise ValueError(
+                        "[slip]: contact_rises = false must be true for an array, whose rest is 0 N"
+                    )
+                volts = input_range.rest(*self._sensed)
+                raise ValueError(
+                    f"[sensor]: rest_v = {volts:g} must be {'below' if self.slip.contact_rises else 'above'} "
+                    "release_level_v of [slip], or a sensor at rest is never released"
+                )
 
     def _images_pass(self) -> None:
         """ValueError if the line has no capacity for one image per second in addition to all CoP frames."""

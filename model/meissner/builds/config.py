@@ -15,9 +15,10 @@ from typing import Any
 
 import msgspec
 
-from meissner.builds import four_wires, keys
+from meissner.builds import four_wires, input_range, keys
 from meissner.builds.build import Config, verilog
 from meissner.builds.features import FEATURES
+from meissner.physics.adc import Adc
 from meissner.tables import Table, naming, one_of, parse
 from meissner.tables import read as read_table
 from meissner.terminal import plain
@@ -110,21 +111,32 @@ def _read(name: str, file: Any) -> Config:
         link=file.link,
         rate_hz=file.adc.rate_hz,
     )
+    with naming("[adc]"):
+        limits = base.input
     if isinstance(file, keys.ArrayFile):
         array = file.array
         base = replace(
             base,
             array=array,
             min_load_n=file.cop.min_load_n,
-            health=(file.health or keys.Health()) if array.health else None,
-            tare=(file.tare or keys.Tare()) if array.tare else None,
+            health=_filled(file.health or keys.Health(), _health(limits, base.rate_hz))
+            if array.health
+            else None,
+            tare=_filled(file.tare or keys.Tare(), {"contact_codes": input_range.contact(limits)})
+            if array.tare
+            else None,
         )
     else:
         with naming("[adc]"):
             AdcSpi(part, base.channels, file.adc.lanes, clk_khz, sclk_khz)
     if isinstance(file, keys.ElectrodesFile):
         bits, mesh, load = part.data_bits, file.mesh, file.load
-        converter = four_wires.Converter(bits=bits, reference_v=file.adc.volts, gain=load.gain)
+        converter = four_wires.Converter(
+            bits=bits,
+            reference_v=file.adc.volts,
+            gain=load.gain,
+            difference_gain=load.difference_gain,
+        )
         cop4 = four_wires.config("[load]", mesh.mesh(mesh.r_ohm), converter, load)
         base = replace(base, cop4=cop4)
         if file.cop_slip:
@@ -143,6 +155,21 @@ def _read(name: str, file: Any) -> Config:
     return replace(base, features=features).check()
 
 
+def _health(adc: Adc, rate_hz: float) -> dict[str, int]:
+    """Defaults of [health]. A finger taps seven times a second at most: 14 jumps, which count 224.
+
+    Where a second has not many more frames, which count it down, tapping is no different from blinking.
+    """
+    blink = 120 if rate_hz >= 250 else 0
+    return {"band": input_range.band(adc), "jump": input_range.jump(adc), "blink": blink}
+
+
+def _filled(table: Any, defaults: dict[str, int]) -> Any:
+    """The table with ``defaults`` where it says nothing."""
+    missing = {key: value for key, value in defaults.items() if getattr(table, key) is None}
+    return msgspec.structs.replace(table, **missing)
+
+
 def command_list(_: Namespace) -> None:
     width = max(map(len, names()))
     for name in names():
@@ -153,6 +180,8 @@ def command_check(arguments: Namespace) -> None:
     config = load(arguments.file)
     counts = f"{len(config.parameters)} parameters, {len(config.settings)} settings"
     print(f"{plain(config.name)}: {plain(config.about)}; {counts}")
+    if config.unsettled:
+        print(f"warning: {config.unsettled}")
 
 
 def command_show(arguments: Namespace) -> None:

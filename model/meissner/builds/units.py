@@ -45,9 +45,10 @@ def floor_root(value: Fraction, level: int) -> int:
 class Units:
     """None: not known. ``clk_khz``, ``rows`` and ``columns`` are read from the core when it is found.
 
-    ``volts_per_code``, ``low_v``, ``min_code``: of a sample; ``level``: of the slip path; ``rate_hz``:
-    samples per second of each channel; ``volts_of``: newtons to the sensor's volts; ``newtons_per_code``: of
-    a taxel and of a load; ``pitch_mm``: from taxel to taxel.
+    ``volts_per_code``, ``low_v``, ``min_code``, ``codes`` (least, most): of a sample; ``level``: of the slip
+    path; ``rate_hz``: samples per second of each channel; ``volts_of``: newtons to the sensor's volts;
+    ``newtons_per_code``: of a taxel and of a load; ``most_load``: its largest code; ``pitch_mm``: between
+    taxels; ``min_load``: ``cop.min_load`` after reset.
     """
 
     clk_khz: int | None = None
@@ -61,6 +62,9 @@ class Units:
     volts_of: Callable[[float], Any] | None = None
     newtons_per_code: float | None = None
     pitch_mm: float | None = None
+    codes: tuple[int, int] | None = None
+    most_load: int | None = None
+    min_load: int | None = None
 
     def code(self, name: str, quantity: str, value: float) -> int:
         """The code of a register for an amount; ValueError for a quantity that the register does not take.
@@ -106,13 +110,33 @@ class Units:
         """Volts of a Haar coefficient's peak-to-peak."""
         return None if self.volts_per_code is None else code * self.volts_per_code / 2 ** (self.level / 2)
 
+    def _threshold(self, amount: float | Fraction, lsb: float, unit: str) -> int:
+        """The code of a threshold; ValueError if no detail of the samples exceeds it."""
+        found = floor_root(exact(amount) / exact(lsb), self.level)
+        largest = (self.codes[1] - self.codes[0]) << self.level if self.codes else None
+        if largest is not None and found >= largest:
+            raise ValueError(
+                f"{float(amount):g} {unit} are {found} codes and must be fewer than {largest}, the largest "
+                "peak to peak of this build"
+            )
+        return found
+
+    def _level(self, amount: float | Fraction, code: Fraction, lsb: Fraction, unit: str) -> int:
+        """The code of a level, ``code`` of a sample; ValueError if no sum of the samples is there."""
+        found = round((1 << self.level) * code)
+        if self.codes and not self.codes[0] << self.level <= found <= self.codes[1] << self.level:
+            least, most = (float(exact(amount) + (end - code) * lsb) for end in self.codes)
+            raise ValueError(
+                f"{float(amount):g} {unit} must lie in {least:g} .. {most:g}, the range of a sample"
+            )
+        return found
+
     def detail_code(self, volts: float | Fraction) -> int:
-        lsb = self._need("volts_per_code", "a threshold in volts")
-        return floor_root(exact(volts) / exact(lsb), self.level)
+        return self._threshold(volts, self._need("volts_per_code", "a threshold in volts"), "V")
 
     def level_code(self, volts: float | Fraction) -> int:
-        lsb = self._need("volts_per_code", "a level in volts")
-        return round((1 << self.level) * (self.min_code + (exact(volts) - exact(self.low_v)) / exact(lsb)))
+        lsb = exact(self._need("volts_per_code", "a level in volts"))
+        return self._level(volts, self.min_code + (exact(volts) - exact(self.low_v)) / lsb, lsb, "V")
 
     @property
     def of_forces(self) -> bool:
@@ -128,13 +152,12 @@ class Units:
     def detail_code_of_newtons(self, newtons: float | Fraction) -> int:
         if not self.of_forces:
             raise ValueError("a threshold in newtons cannot be set: the samples are not known to be forces")
-        lsb = self._need("newtons_per_code", "a threshold in newtons")
-        return floor_root(exact(newtons) / exact(lsb), self.level)
+        return self._threshold(newtons, self._need("newtons_per_code", "a threshold in newtons"), "N")
 
     def level_code_of_newtons(self, newtons: float | Fraction) -> int:
         if self.of_forces:
-            lsb = self._need("newtons_per_code", "a level in newtons")
-            return round((1 << self.level) * exact(newtons) / exact(lsb))
+            lsb = exact(self._need("newtons_per_code", "a level in newtons"))
+            return self._level(newtons, exact(newtons) / lsb, lsb, "N")
         return self.level_code(float(self._need("volts_of", "a level in newtons")(newtons)))
 
     def details(self, seconds: float | Fraction) -> int:
@@ -149,7 +172,14 @@ class Units:
 
     def load_code(self, newtons: float | Fraction) -> int:
         """Code of the smallest load of at least ``newtons``."""
-        return ceil(exact(newtons) / exact(self._need("newtons_per_code", "a load in newtons")))
+        lsb = exact(self._need("newtons_per_code", "a load in newtons"))
+        found = ceil(exact(newtons) / lsb)
+        if self.most_load is not None and found > self.most_load:
+            most = float(self.most_load * lsb)
+            raise ValueError(
+                f"{float(newtons):g} N must be at most {most:g} N, the largest load of this build"
+            )
+        return found
 
     def load_newtons(self, load: int) -> float | None:
         return None if self.newtons_per_code is None else load * self.newtons_per_code
@@ -183,6 +213,7 @@ def of_scene(scene: Any) -> Units:
         volts_per_code=adc.lsb_v,
         low_v=adc.low_v,
         min_code=adc.min_code,
+        codes=(adc.min_code, adc.max_code),
         level=scene.slip.level,
         rate_hz=scene.rate_hz,
         volts_of=rubber.rest_volts,

@@ -32,8 +32,9 @@ def measure(codes: ArrayLike, config: Cop4Config) -> tuple[Floats, Floats, Float
     mesh = config.mesh
     e1, e2, e3, e4 = (np.asarray(codes) * config.volts_per_code).T
     n, m, d = 2 * mesh.V0 - e1 - e3, 2 * mesh.V0 + e2 + e4, e1 + e3 - e2 - e4
-    x = np.clip(_ratio(mesh.Cx * (e1 - e3), n, n > 0), -1, 1)
-    y = np.clip(_ratio(mesh.Cy * (e2 - e4), m, m > 0), -1, 1)
+    across, up = (e1 - e3) / config.difference_gain, (e2 - e4) / config.difference_gain
+    x = np.clip(_ratio(mesh.Cx * across, n, n > 0), -1, 1)
+    y = np.clip(_ratio(mesh.Cy * up, m, m > 0), -1, 1)
     n = np.clip(n, 0, 2 * mesh.V0)  # no sensor gives more
     if config.fix is not None:
         d = d - n * (load_terms(x, y) @ config.fix.p)

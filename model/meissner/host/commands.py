@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from meissner import engines, files
+from meissner import calibration, engines, files
 from meissner.terminal import plain
 
 if TYPE_CHECKING:
@@ -37,9 +37,14 @@ def _connect(
     seconds, clk_khz = getattr(arguments, "seconds", None), getattr(arguments, "clk_khz", None)
     if seconds is not None and not 0 < seconds < float("inf"):
         raise ValueError(f"seconds = {seconds:g} must be a number above 0")
-    if clk_khz is not None and clk_khz < 1:
-        raise ValueError(f"clk-khz = {clk_khz} must be 1 or more")
-    known = baud = None
+    if clk_khz is not None and not 1000 <= clk_khz <= 200_000:
+        raise ValueError(f"clk-khz = {clk_khz} must lie in 1000 .. 200000, the kilohertz of a core's clock")
+    known = baud = lines = None
+    if arguments.calibration is not None:
+        lines = calibration.load(arguments.calibration)
+        if registers is False:
+            raise ValueError("--calibration is written over the registers: omit --listen")
+        registers = True
     if arguments.config is not None:
         build = config.load(arguments.config)
         known, baud = build.units, build.link.baud
@@ -58,7 +63,21 @@ def _connect(
         told, own = getattr(known, name), getattr(core.units, name)
         if told != own:
             say(f"{arguments.config} does not match the core: its {name} is {told}, the core's is {own}")
+    if lines is not None:
+        _calibrate(core, lines, arguments.calibration, say)
     return core
+
+
+def _calibrate(core: "Core", lines: calibration.Calibration, path: str, say: Callable[[str], object]) -> None:
+    from meissner.host.load import check, load
+
+    try:
+        check(core, lines)
+        say(f"writing the calibration of {lines.dead.size} cells in {path} into the core, reading each back")
+        load(core, lines)
+    except BaseException:
+        core.close()
+        raise
 
 
 def _amount(text: str) -> tuple[str, float] | None:
@@ -244,11 +263,10 @@ def replay(arguments: Namespace) -> None:
 
     engines.load(arguments.engine)
     found = log.read(arguments.log)
-    min_load = int(found.get("min_load", 1)) if arguments.min_load is None else arguments.min_load
-    if min_load < 0:
-        raise ValueError(f"min-load = {min_load} must not be negative")
+    if arguments.min_load is not None and arguments.min_load < 0:
+        raise ValueError(f"min-load = {arguments.min_load} must not be negative")
     with files.results(arguments.out) as save:
-        result = replay(found, arguments.engine, min_load)
+        result = replay(found, arguments.engine, arguments.min_load)
         save(result)
     both, wrong, largest = differences(result)
     frames, rows, columns = found["image"].shape

@@ -11,6 +11,7 @@ from typing import Self
 
 from meissner.builds.units import Units
 from meissner.host import names
+from meissner.host.boots import Boots
 from meissner.host.line import Ended, Gone, Line
 from meissner.host.names import Place
 from meissner.host.packets import Assembler, Gap, Item
@@ -21,9 +22,6 @@ from meissner.twins.link.register import Group
 
 NOISE = 4096  # bytes without a packet before it is reported: sixteen of the longest packets
 UNREAD = 1 << 16  # packets that wait for the program; beyond it, the oldest are dropped
-# A time that goes back means a reset, unless the 48-bit time wrapped around (after 33 days at 100 MHz): then
-# at most this many clocks lie between the two.
-LONGEST_SILENCE = 1 << 40
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 5.0  # between two attempts to open an interrupted line
 
 
@@ -84,20 +82,23 @@ class Core:
         self._assembler = Assembler(known)
         self._decoder = Decoder()
         self._waiting: deque[Item] = deque()
-        self._missed_before, self._joining = 0, True
+        self._boots, self._joining = Boots(), True
+        self._held: list[Packet] | None = None  # received while it is not known whether the core was reset
         self._since_packet, self._told_noise, self._told_unfit = 0, False, set[int]()
         self._tag = 0
         self._asked: tuple[int, int] | None = None  # tag and address
         self._answer: dict[str, int] | None = None
-        self._newest, self._restarted = 0, False
+        self._newest, self._resets = 0, 0  # those after which no setting was written again
         self._written: dict[int, tuple[Place, int]] = {}
         self._down: float | None = None  # since when
         self._reason, self._try_at, self._wait_s = "", 0.0, FIRST_WAIT_S
         self._ended = False
+        self.after_reset: Callable[[], object] = lambda: None  # called when the settings are written again
         if registers:
             try:
                 self._identify()
                 self._waiting.clear()  # packets from before the units were known
+                self._resets = self.counts.restarts = 0
                 self["core.scratch"] = random.randrange(1, 1 << 32)  # a reset clears it: see _greet
             except Gone as gone:
                 raise NoAnswer(str(gone)) from None
@@ -185,7 +186,7 @@ class Core:
     def __getitem__(self, name: str) -> int:
         place = self._place(name)
         word = self._ask(bridge.READ, place)
-        if self._restarted and self._restore():
+        if self._resets and self._restore():
             word = self._ask(bridge.READ, place)
         return place.value(word)
 
@@ -194,22 +195,26 @@ class Core:
         word = 0
         if place.field is not None and len(place.register.fields) > 1:  # the other fields keep their values
             word = self._ask(bridge.READ, place)
-            if self._restarted and self._restore():
+            if self._resets and self._restore():
                 word = self._ask(bridge.READ, place)
         word = place.into(word, value, self.build)
         self._ask(bridge.WRITE, place, word)
         if place.setting:
             self._written[place.address] = (place, word)
-        if self._restarted:
+        if self._resets:
             self._restore()
 
     def ask_states(self) -> bool:
         """Ask for the state of every channel, which ``packets`` then yields as States; False if this core has
-        none or is only listened to."""
-        asks = self.registers and ("slip" in self.features or "cop_slip" in self.features)
-        if asks:
-            self["link.states"] = 1
-        return asks
+        none, is only listened to, or does not answer now."""
+        if not self.registers or not {"slip", "cop_slip"} & {*self.features}:
+            return False
+        try:
+            with self.impatient():
+                self["link.states"] = 1
+        except OSError:
+            return False
+        return True
 
     def set(self, name: str, **amount: float) -> int:
         """Write one register in volts, newtons or seconds: ``core.set("slip.threshold", volts=0.02)``.
@@ -323,7 +328,7 @@ class Core:
                 self._reopen(self._down, wait)
             elif not self._ended:
                 self._hear(wait)
-            if self._restarted and self._down is None:
+            if self._resets and self._down is None:
                 self._restore()
             while self._waiting:
                 yield self._waiting.popleft()
@@ -346,7 +351,11 @@ class Core:
             data = data[data.find(0) :] if 0 in data else b""
             self._joining = not data
         for packet in self._decoder.next(data):
-            self._take(packet)
+            self._answered(packet)
+            if self._held is None:
+                self._take(packet)
+            else:
+                self._held.append(packet)
         self.counts.damaged = self._decoder.damaged
         greeting = self.registers and not self.build  # a failed greeting reports it
         if self._since_packet >= NOISE and not self._told_noise and not greeting:
@@ -354,20 +363,22 @@ class Core:
             name = self.line.name
             self.say(f"no valid packet in {self._since_packet} bytes from {name}: {self._baud_question()}")
 
+    def _answered(self, packet: Packet) -> None:
+        self.counts.packets += 1
+        self._since_packet, self._told_noise = 0, False
+        fields = packet.fields
+        if packet.kind == p.ANSWER and self._asked == (fields["tag"], fields["address"]):
+            self._answer = fields
+
     def _take(self, packet: Packet) -> None:
         counts = self.counts
-        counts.packets += 1
-        self._since_packet, self._told_noise = 0, False
+        reset, lost = self._boots.next(packet)
+        if reset:
+            self._started_over()
+        counts.lost += lost
         if packet.kind in (p.STATISTIC, p.ANSWER):  # stamped when sent; others may have waited
-            ended = packet.time + p.TIMES - self._newest <= LONGEST_SILENCE  # a wrap of the 48 bits
-            if packet.time < self._newest and not ended:
-                self._started_over()
             self._newest = packet.time
-        counts.lost += self._decoder.missed - self._missed_before
-        self._missed_before = self._decoder.missed
         if packet.kind == p.ANSWER:
-            if self._asked == (packet.fields["tag"], packet.fields["address"]):
-                self._answer = packet.fields
             return
         if packet.kind not in p.KNOWN:
             counts.unknown += 1
@@ -378,7 +389,7 @@ class Core:
             counts.images_unfit = self._assembler.images_unfit
             self._say_unfit(self._assembler.unfit)
         if item is not None:
-            self._put(item)
+            self._put(replace(item, boot=counts.restarts))
 
     def _say_unfit(self, taxels: int) -> None:
         """Report images of an unexpected size, once for each size."""
@@ -397,30 +408,34 @@ class Core:
         self._waiting.append(item)
 
     def _started_over(self) -> None:
-        """The time went back: the core was reset, and with it packet numbers and settings."""
+        """The core was reset, and with it packet numbers, time and settings."""
         self.counts.restarts += 1
-        self._missed_before = self._decoder.missed
+        self._resets += 1
+        self._newest = 0
         self._assembler.restart()
-        self._restarted = True
+        self.counts.images_lost = self._assembler.images_lost
 
     def _restore(self) -> bool:
         """Write the settings again that this host had written; returns whether that succeeded."""
         known = [item for item in self._written.values() if self._has(item[0].group)]
         try:
-            with self._impatient():
+            with self.impatient():
                 for place, word in known:
                     self._ask(bridge.WRITE, place, word)
         except (NoAnswer, ValueError):
             return False
-        self._restarted = False
-        self.say(f"the core on {self.line.name} was reset: {len(known)} settings were written again")
+        times = "" if self._resets == 1 else f" {self._resets} times"
+        again = f": {len(known)} settings were written again" if self.registers else ""
+        self._resets = 0
+        self.say(f"the core on {self.line.name} was reset{times}{again}")
+        self.after_reset()
         return True
 
     def _has(self, group: Group) -> bool:
         return not group.feature or group.name in self.features
 
     @contextmanager
-    def _impatient(self) -> Iterator[None]:
+    def impatient(self) -> Iterator[None]:
         """Give up immediately if the line is interrupted meanwhile."""
         kept, self.give_up_s = self.give_up_s, -1.0
         try:
@@ -443,35 +458,39 @@ class Core:
             time.sleep(timeout_s)
             return
         time.sleep(max(0.0, wait))
+        self._held, reset = [], False
         try:
             self.line.reopen()
             self._down, self._joining = None, True
-            if self.registers:
-                self._greet()
+            reset = self.registers and self._greet()
         except (Gone, NoAnswer, OSError):
             if self._down is None:
                 self.line.close()
             self._down = since
             self._wait_s = min(2 * self._wait_s, LONGEST_WAIT_S)
             self._try_at = time.monotonic() + self._wait_s
-            return
-        seconds = time.monotonic() - since
-        self.counts.gaps += 1
-        self.counts.gap_s += seconds
-        self.say(f"{self.line.name} is back after {seconds:.1f} s")
-        self._put(Gap(self._reason, seconds))
+        else:
+            seconds = time.monotonic() - since
+            self.counts.gaps += 1
+            self.counts.gap_s += seconds
+            self.say(f"{self.line.name} is back after {seconds:.1f} s")
+            self._put(Gap(self._reason, seconds))
+        finally:
+            held, self._held = self._held, None
+            if reset:
+                self._boots.restart()
+                self._started_over()
+            for packet in held:
+                self._take(packet)
 
-    def _greet(self) -> None:
-        """``_identify`` on a line just opened again; notes a reset of the core during the interruption."""
-        with self._impatient():
-            restarts = self.counts.restarts
+    def _greet(self) -> bool:
+        """``_identify`` on a line just opened again; returns whether the core was reset meanwhile."""
+        with self.impatient():
             self._identify()
             scratch = names.place("core.scratch")
-            lost = scratch.address in self._written and (
+            return scratch.address in self._written and (
                 self._ask(bridge.READ, scratch) != self._written[scratch.address][1]
             )
-            if lost and self.counts.restarts == restarts:
-                self._started_over()
 
     def stop(self) -> None:
         """Make ``packets`` end after the packets already received."""

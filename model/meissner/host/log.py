@@ -8,11 +8,15 @@ Arrays, one row per packet, ``_time`` in clocks and ``_ns`` in nanoseconds of UT
     cop_time, _ns, _x, _y, _load, _pressed
     image_time, _ns, _number                         image [images, rows, columns]
     health_time, _ns, _taxel, _faults                statistics_time, _ns, _index, _value
-    gap_ns, _seconds, _reason
+    gap_ns, _seconds, _reason                        reset_ns, _restarts, _min_load
 
-and the facts: clk_khz, start_ns and start_time (the same instant), newtons_per_code (nan: not known),
-min_load if the core reported it, and the counters of the line (meissner.host.core.Counts); ``partial`` if
-the log was not finished.
+``_ns`` of a packet from before a reset of the core lies before ``reset_ns``, that of one from after it does
+not; ``boots`` counts the resets before each row. ``reset_min_load``: ``cop.min_load`` from there on, -1 if it
+is not known.
+
+The facts: clk_khz, start_ns and start_time (the same instant), newtons_per_code (nan: not known), min_load
+(at the start, if the core or its configuration says it), and the counters of the line
+(meissner.host.core.Counts); ``partial`` if the log was not finished.
 
 While a log runs, its packets go to a spool beside the target every FLUSH_S seconds: as chunks of an MCAP
 file, which is renamed to the target at the end; or as rows in blocks (meissner.host.table), removed when the
@@ -23,17 +27,18 @@ import io
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from meissner.arrays import Arrays
 from meissner.builds.units import Units
 from meissner.files import FULL, check_in, read_arrays
 from meissner.files import check_out as check_name
 from meissner.host import packets, ros
-from meissner.host.core import Core
+from meissner.host.core import Core, Counts
 from meissner.host.table import COLUMNS, Facts, NpzLog, Table, read_rows
 from meissner.host.unfinished_log import UnfinishedLog, part_of
 from meissner.twins.link.packet import TIMES
@@ -41,6 +46,9 @@ from meissner.twins.link.packet import TIMES
 FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress less
 
 _FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float, "min_load": int}
+_FACTS |= {counter.name: type(counter.default) for counter in fields(Counts)}
+
+ADDED = ("reset_", "change_", "state_")  # arrays that earlier logs do not have
 
 PARTIAL: Arrays = {"partial": np.asarray(True)}
 
@@ -67,7 +75,7 @@ KINDS: dict[str, type[McapLog] | type[NpzLog]] = {".npz": NpzLog, ".mcap": McapL
 
 class Log:
     """``add`` packets of ``core`` to a ``writer``, one of the above. The core's clock turns its clocks into
-    UTC, from a new start after each reset of the core."""
+    UTC, from a new start after each reset of the core, which lies behind everything before it."""
 
     def __init__(self, writer: McapLog | NpzLog, core: Core) -> None:
         if not core.units.clk_khz:
@@ -76,31 +84,55 @@ class Log:
             )
         self._writer, self._core = writer, core
         self._start_ns, self._start, self._last = time.time_ns(), 0, 0
-        self._restarts = -1  # of the core, when these three were set; -1: not yet
+        self._boot: int | None = None  # of the last packet
+        self._aligned = -1  # the boot of these times
+        self._newest_ns, self._least_ns = self._start_ns, 0
         self.packets, self.kept, self._flushed_at = 0, 0, time.monotonic()
         self._facts: dict[str, int] = {}
-        if core.registers and "cop" in core.features:
-            self._facts["min_load"] = core["cop.min_load"]
+        if (least := self._min_load()) >= 0:
+            self._facts["min_load"] = least
         if core.now:
-            self._set(core.now)
+            self._set(core.now, core.counts.restarts)
         self._writer.tell(self.facts())
         self.flush()
 
-    def _set(self, ticks: int) -> None:
-        self._start_ns, self._start, self._last = time.time_ns(), ticks, ticks
-        self._restarts = self._core.counts.restarts
+    def _min_load(self) -> int:
+        """The core's ``cop.min_load``, which a replay needs; -1: not known."""
+        core, known = self._core, self._core.units.min_load
+        if core.registers and "cop" in core.features:
+            return core["cop.min_load"]
+        return -1 if known is None else known
 
-    def _stamp(self, ticks: int) -> int:
-        if self._restarts != self._core.counts.restarts:
-            self._set(ticks)
+    def _set(self, ticks: int, boot: int) -> None:
+        """``ticks`` of that boot are now, but its time 0 does not lie before the reset."""
+        self._start_ns = max(time.time_ns(), self._least_ns + self._ns(ticks))
+        self._start, self._last, self._aligned = ticks, ticks, boot
+
+    def _ns(self, ticks: int) -> int:
+        assert self._core.units.clk_khz
+        return ticks * 10**6 // self._core.units.clk_khz
+
+    def _stamp(self, item: packets.Stamped) -> int:
+        if self._boot not in (None, item.boot):
+            self._reset(item.boot)
+        self._boot = item.boot
+        if self._aligned != item.boot:
+            self._set(item.time, item.boot)
             self._writer.tell(self.facts())
         # Unwrap the 48-bit time: the value nearest to the last one, before or after it.
-        self._last += (ticks - self._last + TIMES // 2) % TIMES - TIMES // 2
-        assert self._core.units.clk_khz
-        return self._start_ns + (self._last - self._start) * 10**6 // self._core.units.clk_khz
+        self._last += (item.time - self._last + TIMES // 2) % TIMES - TIMES // 2
+        return self._start_ns + self._ns(self._last - self._start)
+
+    def _reset(self, boot: int) -> None:
+        """Mark the place, behind every time so far."""
+        self._least_ns, least = self._newest_ns + 1, -1
+        with suppress(OSError), self._core.impatient():  # the line may be interrupted again
+            least = self._min_load()
+        self._writer.add(self._least_ns, packets.Reset(boot, least))
 
     def add(self, item: packets.Item) -> None:
-        stamp = time.time_ns() if isinstance(item, packets.Gap) else self._stamp(item.time)
+        stamp = time.time_ns() if isinstance(item, packets.Gap) else self._stamp(item)
+        self._newest_ns = max(self._newest_ns, stamp)
         self._writer.add(stamp, item)
         self.packets += 1
         if time.monotonic() - self._flushed_at > FLUSH_S:
@@ -201,12 +233,14 @@ def read(path: str | Path) -> Arrays:
             raise ValueError(f"{path} is cut off or damaged: it is not a complete .npz file of arrays")
     else:
         raise ValueError(f"{path} must be a .mcap or a .npz file, or the spool of an unfinished log")
-    older = {
-        name: empty for name, empty in Table().arrays().items() if name.startswith(("change_", "state_"))
-    }
-    arrays = older | arrays
+    arrays = {name: none for name, none in Table().arrays().items() if name.startswith(ADDED)} | arrays
     _check(path, arrays)
     return arrays
+
+
+def boots(log: Arrays, kind: str) -> NDArray[np.int64]:
+    """Of each row of ``kind``, how many of the log's resets it follows."""
+    return np.searchsorted(log["reset_ns"], log[f"{kind}_ns"], side="right")
 
 
 def _read_mcap(path: Path) -> Arrays:

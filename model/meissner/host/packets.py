@@ -4,7 +4,7 @@
 unit is unknown is None.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,14 @@ from meissner.twins.slip.slip import State
 
 
 @dataclass(frozen=True)
-class SlipEvent:
+class OfBoot:
+    """``boot``: how many resets of the core the host has seen before this packet, in the stream."""
+
+    boot: int = field(default=0, kw_only=True, repr=False)
+
+
+@dataclass(frozen=True)
+class SlipEvent(OfBoot):
     """A slip begins: the channel was in contact, and is incipient or gross.
 
     Attributes
@@ -41,7 +48,7 @@ class SlipEvent:
 
 
 @dataclass(frozen=True)
-class StateChange:
+class StateChange(OfBoot):
     """Any other change of a channel's state; the fields of SlipEvent, and:
 
     Attributes
@@ -64,7 +71,7 @@ class StateChange:
 
 
 @dataclass(frozen=True)
-class States:
+class States(OfBoot):
     """The states of the channels from ``first`` on, which ``Core.ask_states`` asked for."""
 
     time: int
@@ -74,7 +81,7 @@ class States:
 
 
 @dataclass(frozen=True)
-class CopFrame:
+class CopFrame(OfBoot):
     """The centre of pressure of a frame.
 
     Attributes
@@ -97,7 +104,7 @@ class CopFrame:
 
 
 @dataclass(frozen=True)
-class Image:
+class Image(OfBoot):
     """``taxels``: uint16 [rows, columns]; [1, taxels] if the core did not report its size."""
 
     time: int
@@ -108,7 +115,7 @@ class Image:
 
 
 @dataclass(frozen=True)
-class Health:
+class Health(OfBoot):
     time: int
     time_s: float | None
     taxel: int
@@ -116,7 +123,7 @@ class Health:
 
 
 @dataclass(frozen=True)
-class Statistics:
+class Statistics(OfBoot):
     """One counter of the core, named by ``index`` and ``name``."""
 
     time: int
@@ -135,6 +142,15 @@ class Gap:
 
     reason: str
     seconds: float
+
+
+@dataclass(frozen=True)
+class Reset:
+    """In a log, between two boots of the core. ``restarts``: ``boot`` of what follows; ``min_load``:
+    ``cop.min_load`` from here on, -1 if it is not known."""
+
+    restarts: int
+    min_load: int = -1
 
 
 Stamped = SlipEvent | StateChange | States | CopFrame | Image | Health | Statistics  # by the core
@@ -157,15 +173,17 @@ class Assembler:
     def __init__(self, units: Units | None = None) -> None:
         self.units, self.images_lost, self.images_unfit = units or Units(), 0, 0
         self.unfit = 0  # taxels of the newest image, if its size differs from ``units``
-        self.restart()
-
-    def restart(self) -> None:
-        """The core was reset: its images are numbered from 0 again, and one may have begun already."""
         self._image: tuple[int, int] | None = None  # number and time
         self._parts: list[int] | None = []
-        self._owed = False
+        self._owed = False  # a part of that image
 
-    def next(self, packet: Packet) -> Item | None:
+    def restart(self) -> None:
+        """The core was reset: the rest of an image does not come, and images are numbered from 0 again."""
+        self.images_lost += self._owed
+        self._image = (-1, -1)
+        self._parts, self._owed = None, False
+
+    def next(self, packet: Packet) -> Stamped | None:
         fields, units = packet.fields, self.units
         at = (packet.time, units.seconds(packet.time))
         if packet.kind in (p.SLIP, p.CHANGE):

@@ -4,37 +4,45 @@ import numpy as np
 
 from meissner import engines
 from meissner.arrays import Arrays
+from meissner.host.log import boots
 
 
-def replay(log: Arrays, engine: str, min_load: int = 1) -> Arrays:
+def replay(log: Arrays, engine: str, min_load: int | None = None) -> Arrays:
     """Arrays of ``process_cop`` for each logged image, with the logged results beside them.
 
-    ``log``: from meissner.host.log.read. ``time``: clocks; ``logged``: whether the log has the core's CoP of
-    that frame; ``logged_x``, ``logged_y``, ``logged_load``, ``logged_pressed``: its values, 0 without it.
+    ``log``: from meissner.host.log.read. ``min_load``: in place of the log's, or of 1 if not known.
+    ``boot``: resets before the image; ``time``: clocks since then; ``logged``: whether the log has the core's
+    CoP of that frame; ``logged_x``, ``logged_y``, ``logged_load``, ``logged_pressed``: its values,
+    0 without it.
     """
-    images = log["image"]
+    images, boot = log["image"], boots(log, "image")
     if not images.size:
         raise ValueError("the log has no image to replay")
-    found = engines.process_cop(images, engine, min_load)
-    row_of = {int(at): row for row, at in enumerate(log["cop_time"])}
-    rows = np.array([row_of.get(int(at), -1) for at in log["image_time"]])
+    least = np.array([log.get("min_load", -1), *log["reset_min_load"]])[boot]
+    least = np.where(least < 0, 1, least) if min_load is None else np.full(len(images), min_load)
+    found: Arrays = {}
+    for one in np.unique(least):
+        which = least == one
+        for name, values in engines.process_cop(images[which], engine, int(one)).items():
+            found.setdefault(name, np.zeros((len(images), *values.shape[1:]), values.dtype))[which] = values
+    row_of = {at: row for row, at in enumerate(zip(boots(log, "cop"), log["cop_time"]))}
+    rows = np.array([row_of.get(at, -1) for at in zip(boot, log["image_time"])])
     beside = {
         f"logged_{name}": np.where(rows >= 0, log[f"cop_{name}"][rows] if len(row_of) else 0, 0)
         for name in ("x", "y", "load", "pressed")
     }
-    return {"time": log["image_time"], **found, "logged": rows >= 0, **beside}
+    return {"boot": boot, "time": log["image_time"], **found, "logged": rows >= 0, **beside}
 
 
 def changes(log: Arrays) -> tuple[int, int]:
     """(changes of channels' states in the log, how many of them do not begin with the state that the change
     before of that channel led to): those between were lost."""
-    last: dict[int, int] = {}
+    last: dict[tuple[int, int], int] = {}
     broken = 0
-    for channel, before, state in zip(
-        *(log[f"change_{name}"].tolist() for name in ("channel", "before", "state"))
-    ):
-        broken += last.get(channel, before) != before
-        last[channel] = state
+    columns = [boots(log, "change"), *(log[f"change_{name}"] for name in ("channel", "before", "state"))]
+    for boot, channel, before, state in zip(*(column.tolist() for column in columns)):
+        broken += last.get((boot, channel), before) != before
+        last[boot, channel] = state
     return len(log["change_state"]), broken
 
 

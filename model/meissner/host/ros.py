@@ -3,6 +3,7 @@
 import io
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, BinaryIO
@@ -96,7 +97,7 @@ class McapWriter:
         self._writer.write_message(topic, self._schemas[kind], message, stamp_ns, stamp_ns, self._count)
         self._count += 1
 
-    def add(self, stamp_ns: int, item: packets.Item) -> None:
+    def add(self, stamp_ns: int, item: packets.Item | packets.Reset) -> None:
         scale = self._known.newtons_per_code
         if isinstance(item, packets.CopFrame):
             self._write(
@@ -128,9 +129,9 @@ class McapWriter:
         elif isinstance(item, packets.Statistics):
             values = {"index": item.index, "value": item.value}
             self._numbers(stamp_ns, "/tactile/statistics", item.time, values)
-        elif isinstance(item, packets.Gap):
-            text = json.dumps({"reason": item.reason, "seconds": item.seconds})
-            self._write(stamp_ns, "/tactile/gap", "std_msgs/String", SimpleNamespace(data=text))
+        else:
+            topic = "/tactile/gap" if isinstance(item, packets.Gap) else "/tactile/reset"
+            self._write(stamp_ns, topic, "std_msgs/String", SimpleNamespace(data=json.dumps(asdict(item))))
 
     def _change(
         self,
@@ -160,11 +161,11 @@ class McapWriter:
         self._writer.finish()
 
 
-def read(path: str | Path) -> tuple[dict[str, str], list[tuple[int, packets.Item]], bool]:
+def read(path: str | Path) -> tuple[dict[str, str], list[tuple[int, packets.Item | packets.Reset]], bool]:
     """(facts, [(ns, packet)], whether it is complete) of a file that McapWriter wrote, positions and loads
     without physical units. A file that was cut off gives the content of its complete records."""
     facts: dict[str, str] = {}
-    items: list[tuple[int, packets.Item]] = []
+    items: list[tuple[int, packets.Item | packets.Reset]] = []
     with open(path, "rb") as file:
         whole = _whole(file)
         for found in _of_whole(file) if whole else _of_part(file):
@@ -244,7 +245,7 @@ def _whole_records(file: BinaryIO) -> bytes:
     return data[:end]
 
 
-def _items(topic: str, message: Any) -> Iterator[packets.Item]:
+def _items(topic: str, message: Any) -> Iterator[packets.Item | packets.Reset]:
     kind = topic.rpartition("/")[2]
     if kind == "frame" and message.has_cop:
         x, y = message.x / (1 << FRACTION_BITS), message.y / (1 << FRACTION_BITS)
@@ -270,5 +271,5 @@ def _items(topic: str, message: Any) -> Iterator[packets.Item]:
     elif kind == "statistics":
         ticks, index, value = message.data
         yield packets.Statistics(ticks, None, index, value)
-    elif kind == "gap":
-        yield packets.Gap(**json.loads(message.data))
+    elif kind in ("gap", "reset"):
+        yield (packets.Gap if kind == "gap" else packets.Reset)(**json.loads(message.data))

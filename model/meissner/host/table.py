@@ -30,6 +30,7 @@ COLUMNS = {
     "health": {"time": "u8", "ns": "i8", "taxel": "u4", "faults": "u1"},
     "statistics": {"time": "u8", "ns": "i8", "index": "u1", "value": "u4"},
     "gap": {"ns": "i8", "seconds": "f8", "reason": "U"},
+    "reset": {"ns": "i8", "restarts": "u4", "min_load": "i8"},
 }
 _KINDS = {
     packets.SlipEvent: "slip",
@@ -40,6 +41,7 @@ _KINDS = {
     packets.Health: "health",
     packets.Statistics: "statistics",
     packets.Gap: "gap",
+    packets.Reset: "reset",
 }
 
 # What a start of a slip leaves out as a change.
@@ -63,7 +65,7 @@ class Table:
         }
         self._images: list[NDArray[np.uint16]] = []
 
-    def add(self, stamp_ns: int, item: packets.Item) -> None:
+    def add(self, stamp_ns: int, item: packets.Item | packets.Reset) -> None:
         kind = _KINDS[type(item)]
         if isinstance(item, packets.Image):
             self._shape = self._shape or item.taxels.shape

@@ -51,17 +51,25 @@ class View:
 
     def __init__(self, core: Core) -> None:
         self.core = core
-        self.states: dict[int, tuple[int, str, str]] = {}  # of each channel: state, peak-to-peak, since when
         self.slip_count = 0
+        self._forget(core.counts.restarts)
+        self.messages: deque[str] = deque(maxlen=4)
+        self._rate = (0.0, 0, 0.0)  # time of the last tick, packets then, packets per second
+
+    def _forget(self, boot: int) -> None:
+        """Nothing is known of this boot of the core yet."""
+        self._boot = boot
+        self.states: dict[int, tuple[int, str, str]] = {}  # of each channel: state, peak-to-peak, since when
         self.cop: packets.CopFrame | None = None
         self.image: packets.Image | None = None
         self.statistics: dict[str, int] = {}
         self.health: dict[int, int] = {}
-        self.messages: deque[str] = deque(maxlen=4)
-        self._rate = (0.0, 0, 0.0)  # time of the last tick, packets then, packets per second
 
     def add(self, item: packets.Item | None) -> str | None:
-        """Take a packet; the line to print immediately, or None."""
+        """Take a packet; the lines to print immediately, or None."""
+        if isinstance(item, packets.OfBoot) and item.boot != self._boot:
+            self._forget(item.boot)
+            return "\n".join(["the core was reset", self.add(item) or ""]).rstrip()
         if isinstance(item, packets.SlipEvent | packets.StateChange):
             since = self._at(item).removesuffix(": ")
             self.states[item.channel] = (item.state, self._p2p(item), since)

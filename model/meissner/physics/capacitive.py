@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Floats, Values
+from meissner.arrays import Floats, Values, finite
 
 GRAM_N = 9.80665e-3
 # Published.
@@ -132,11 +132,13 @@ def output_v(
     return np.abs(drive_v * gain * cell / (gain * omega * ref_f + cell + others))
 
 
+@finite
 def plate_f(gap_mm: Values) -> Values:
     """Capacitance of the crossing itself in farads: two plates, no fringe field."""
     return 8.8541878e-15 * PERMITTIVITY * TRACE_MM**2 / gap_mm
 
 
+@finite
 def tab_height(force_n: ArrayLike, stiffness: Values = 1.0, tab_mm: Values = TAB_MM) -> Floats:
     """u, the height of a tab under a force over its height at rest: the root of u^3 + q·u^2 = 1."""
     shape = TAB_DIAMETER_MM / (4 * tab_mm)
@@ -149,11 +151,13 @@ def tab_height(force_n: ArrayLike, stiffness: Values = 1.0, tab_mm: Values = TAB
     return u
 
 
+@finite
 def capacitance_ratio(force_n: ArrayLike, stiffness: Values = 1.0, tab_mm: Values = TAB_MM) -> Floats:
     """C over C at rest under a force."""
     return (BACKING_MM + tab_mm) / (BACKING_MM + tab_mm * tab_height(force_n, stiffness, tab_mm))
 
 
+@finite
 def creep(force_n: ArrayLike, rate_hz: float) -> Floats:
     """The force that the tabs follow by each frame; ``force_n`` [frames, ...], at rest before the first."""
     force_n = np.asarray(force_n, float)
@@ -185,10 +189,12 @@ class Pad:
     ref_f: Floats
     stray_f: float
 
+    @finite
     def capacitance_f(self, force_n: ArrayLike) -> Floats:
         """Farads of every cell under forces [..., rows, columns] in newtons."""
         return self.rest_f * capacitance_ratio(force_n, self.stiffness)
 
+    @finite
     def amplitude_v(self, force_n: ArrayLike, gain: complex, drive_v: float) -> Floats:
         """Output of each column's amplifier, in volts, while each row is driven [..., rows, columns]."""
         cell = self.capacitance_f(force_n)
@@ -196,6 +202,7 @@ class Pad:
         return output_v(cell, others, gain, drive_v, self.ref_f)
 
 
+@finite
 def build_pad(rows: int, columns: int, rng: np.random.Generator, stray_f: float = 5e-12) -> Pad:
     """A Pad whose parts vary by the chosen standard deviations."""
 
@@ -210,6 +217,7 @@ def build_pad(rows: int, columns: int, rng: np.random.Generator, stray_f: float 
     )
 
 
+@finite
 def carrier(
     amplitude_v: ArrayLike,
     samples: int,

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from meissner.arrays import check_finite
 from meissner.physics import mesh_loads
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_registers import cop4_registers, correct_registers
@@ -31,6 +32,9 @@ ORIGINS = {
 class Cop4Config:
     """``adc``: symmetric about 0 V, after amplifiers of ``gain``: code = volts gain / lsb.
 
+    ``difference_gain``: of the pairs of amplifiers for E1, E3 and for E2, E4. Each pair keeps its mean and
+    multiplies its difference: (E1 + E3)/2 ± g (E1 - E3)/2.
+
     ``load_lsb_n``, ``min_load_n``: newtons; ``touch``: the kind of touch that the load's correction is fitted
     to, or "none". ValueError with one sentence if a value exceeds the converter's range or a register,
     TypeError if ``mesh`` is no Mesh or ``adc`` no Adc.
@@ -42,6 +46,7 @@ class Cop4Config:
     load_lsb_n: float = 1e-3
     min_load_n: float = 0.05
     touch: str = "none"
+    difference_gain: float = 1.0
 
     def __post_init__(self) -> None:
         for name, wanted in (("mesh", Mesh), ("adc", Adc)):
@@ -49,6 +54,10 @@ class Cop4Config:
             if not isinstance(given, wanted):
                 where = f"{wanted.__module__}.{wanted.__name__}"
                 raise TypeError(f"{name} must be a {where}, not {type(given).__name__}")
+        for name in ("gain", "load_lsb_n", "min_load_n", "difference_gain"):
+            check_finite(name, given := getattr(self, name))
+            if given < 0 or (given == 0 and name != "min_load_n"):
+                raise ValueError(f"{name} = {given:g} must be above 0")
         if not MIN_BITS <= self.adc.bits <= MAX_BITS:
             raise ValueError(f"bits = {self.adc.bits} must lie in {MIN_BITS} .. {MAX_BITS}")
         if self.touch not in TOUCHES:
@@ -74,7 +83,9 @@ class Cop4Config:
     @cached_property
     def _both(self) -> tuple[Cop4Registers, CorrectionRegisters | None]:
         registers = cop4_registers(
-            self.mesh, self.adc, self.gain, self.load_lsb_n, self.min_load_n, sample_bits=self.sample_bits
+            *(self.mesh, self.adc, self.gain, self.load_lsb_n, self.min_load_n),
+            sample_bits=self.sample_bits,
+            difference_gain=self.difference_gain,
         )
         return (registers, None) if self.fix is None else correct_registers(self.fix, registers)
 
@@ -91,4 +102,7 @@ class Cop4Config:
         self, volts: NDArray[np.floating], rng: np.random.Generator | None = None
     ) -> NDArray[np.int64]:
         """Codes [samples, 4] of electrode voltages [samples, 4]; noise only with ``rng``."""
+        if self.difference_gain != 1:
+            mean = (volts + volts[:, [2, 3, 0, 1]]) / 2
+            volts = mean + self.difference_gain * (volts - mean)
         return self.adc.convert(volts * self.gain, rng)[0]

@@ -1,12 +1,14 @@
 """The registers of msn_cop4 and of its load correction from a mesh, amplifiers and a converter."""
 
 from dataclasses import replace
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from meissner.physics.adc import Adc
 from meissner.physics.mesh.constants import cop_constants
+from meissner.tables import exact
 from meissner.twins.cop.cop4 import LOAD_BITS, SCALE_BITS, Cop4Registers
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, SUM_TOP, CorrectionRegisters
 
@@ -34,8 +36,10 @@ def cop4_registers(
     min_load: float = 0.05,
     imbalance: float = 1e-3,
     sample_bits: int = 17,
+    difference_gain: float = 1.0,
 ) -> Cop4Registers:
-    """``Cop4Registers`` for a mesh (m, n, r, R0, V0, k) read by ``adc`` through amplifiers of ``gain``.
+    """``Cop4Registers`` for a mesh (m, n, r, R0, V0, k) read by ``adc`` through amplifiers of ``gain``,
+    with ``difference_gain`` of opposite electrodes' differences (physics.cop4_config).
 
     ``mesh``: a Mesh or an object with those six; ``adc``: meissner.physics.adc.Adc, symmetric about 0 V since
     E2 and E4 are negative. ``load_lsb``, ``min_load``: newtons; ``imbalance``: a fraction of 2V0. An
@@ -50,12 +54,23 @@ def cop4_registers(
     if round(rail) + margin > adc.max_code:
         raise ValueError(f"V0 = {mesh.V0:g} V times the gain {gain:g} leaves no room below {adc.high_v:g} V")
     Cx, Cy, Kf = cop_constants(mesh.m, mesh.n, mesh.r, mesh.R0, mesh.V0, mesh.k)
+    least = min([C for C in (Cx, Cy) if C], default=np.inf)
+    if difference_gain != 1 and difference_gain >= least:
+        raise ValueError(
+            f"difference_gain = {difference_gain:g} must be below {least:.4g}, "
+            "or a load at the edge leaves the electrodes' range"
+        )
+    Cx, Cy = Cx / difference_gain, Cy / difference_gain
     kx, shift_x = scaled(Cx, 0, f"Cx = {Cx:g}")
     ky, shift_y = scaled(Cy, 0, f"Cy = {Cy:g}")
     kf, shift_load = scaled(Kf / load_lsb / (1 << LOAD_BITS), LOAD_SHIFT, f"Kf = {Kf:g} N at {load_lsb:g} N")
     # Each electrode carries at least (1 - 1/C) / 2 of its layer's current.
     share = max([(C + 1) / (C - 1) for C in (Cx, Cy) if C] or [1])
     busy = max(round(rail - (margin + 3) * share) - 3, -adc.max_code)
+    least, most = ceil(exact(min_load) / exact(load_lsb)), (1 << LOAD_BITS) - 1
+    if least > most:
+        largest = float(most * exact(load_lsb))
+        raise ValueError(f"min_n = {min_load:g} must be at most {largest:g}, the largest load")
     found = Cop4Registers(
         rail=round(2 * rail),
         kx=kx,
@@ -68,7 +83,7 @@ def cop4_registers(
         idle=round(rail) - margin,
         busy=busy,
         imbalance=max(4, round(2 * rail * imbalance)),
-        min_load=max(1, round(min_load / load_lsb)),
+        min_load=max(1, least),
     )
     found.check(sample_bits)
     return found

@@ -19,7 +19,7 @@ Electrically (eq. 16, 17), for an amplifier of large gain:
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Floats, Values
+from meissner.arrays import Floats, Values, finite
 from meissner.physics import capacitive
 
 # Published: the lowest and the highest tab that the maker used, "depending on the desired force range".
@@ -35,6 +35,7 @@ ORIGINS = {
 }
 
 
+@finite
 def strain_confined(stress: Values, poisson: float, modulus: float) -> Values:
     """Strain along the force of rubber that cannot move sideways (eq. 3 to 6)."""
     return stress / modulus * (1 + poisson) * (1 - 2 * poisson) / (1 - poisson)
@@ -51,11 +52,13 @@ def leaking_v(
     return drive_v * np.hypot(cell_f, 1 / (2 * np.pi * hertz * np.asarray(cell_ohm, float))) / ref_f
 
 
+@finite
 def rise(force_g: ArrayLike, tab_mm: Values = capacitive.TAB_MM) -> Values:
     """Rise of capacitance under a press, as a share of that at rest, with tabs."""
     return capacitive.capacitance_ratio(np.asarray(force_g) * capacitive.GRAM_N, tab_mm=tab_mm) - 1
 
 
+@finite
 def rise_without_tabs(
     force_g: ArrayLike, poisson: float, thickness_mm: float = capacitive.BACKING_MM + capacitive.TAB_MM
 ) -> Values:
@@ -70,6 +73,7 @@ def rise_without_tabs(
     return thickness_mm / (thickness_mm * (1 - strain)) - 1
 
 
+@finite
 def force_for(share: Values, tab_mm: ArrayLike) -> Floats:
     """Grams on one tab that raise the capacitance by ``share``: the tab's law inverted.
 

@@ -15,7 +15,7 @@ Not modelled: harmonics of the mains, flicker that grows with the current, minor
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Floats
+from meissner.arrays import Floats, finite
 
 HUM_HZ = 50.0
 HYSTERESIS_WIDTH = 1.0  # of ln F, from one branch to the other
@@ -38,11 +38,13 @@ ORIGINS = {
 }
 
 
+@finite
 def hum(time_s: ArrayLike, amplitude_v: float, rng: np.random.Generator) -> Floats:
     """Volts to add to Vc."""
     return amplitude_v * np.sin(2 * np.pi * HUM_HZ * np.asarray(time_s) + rng.uniform(0, 2 * np.pi))
 
 
+@finite
 def flicker(samples: int, rate_hz: float, share: float, rng: np.random.Generator) -> Floats:
     """Share of G to add [samples]: spectrum share²/(ln 10·f), from one period per run to Nyquist."""
     hertz = np.fft.rfftfreq(samples, 1.0 / rate_hz)
@@ -53,6 +55,7 @@ def flicker(samples: int, rate_hz: float, share: float, rng: np.random.Generator
     return np.fft.irfft(spectrum, samples)
 
 
+@finite
 def play(x: ArrayLike, width: float) -> Floats:
     """y[t] = max(x[t], min(x[t] + width, y[t-1])), y[-1] = x[0].
 
@@ -70,12 +73,14 @@ def play(x: ArrayLike, width: float) -> Floats:
     return low
 
 
+@finite
 def hysteresis(force_n: Floats, share: float) -> Floats:
     """The force that the divider curve shows for ``force_n`` [samples]."""
     logarithm = np.log(np.maximum(force_n, FORCE_FLOOR_N))
     return force_n * np.exp(share * (play(logarithm, HYSTERESIS_WIDTH) - logarithm))
 
 
+@finite
 def bursts(first_s: Floats, mean: float, until_s: float, rng: np.random.Generator) -> Floats:
     """Instants, ascending, before ``until_s``, of patches in bursts of ``mean`` beginning at ``first_s``."""
     sizes = rng.geometric(1.0 / mean, len(first_s))

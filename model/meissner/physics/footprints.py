@@ -6,16 +6,18 @@ by degrees, counter-clockwise), discs and rings. They touch flat, with an even p
 
 import numpy as np
 
-from meissner.arrays import Bools, Floats
+from meissner.arrays import Bools, Floats, finite
 
 Piece = tuple[str, float, float, list[float]]  # "bar" or "ring", place, sizes
 STEP_MM = 0.2  # of the points that sample the area
 
 
+@finite
 def bar(x_mm: float, y_mm: float, wide_mm: float, high_mm: float, degrees: float = 0.0) -> Piece:
     return "bar", x_mm, y_mm, [wide_mm, high_mm, degrees]
 
 
+@finite
 def ring(x_mm: float, y_mm: float, outer_mm: float, inner_mm: float = 0.0) -> Piece:
     """``outer_mm``, ``inner_mm``: diameters."""
     return "ring", x_mm, y_mm, [outer_mm, inner_mm]
@@ -72,6 +74,7 @@ def _within(piece: Piece, x_mm: Floats, y_mm: Floats) -> Bools:
     return (np.abs(x * cos + y * sin) <= wide / 2) & (np.abs(y * cos - x * sin) <= high / 2)
 
 
+@finite
 def points(shape: str, reach_mm: float = 12.0) -> tuple[Floats, Floats, Floats]:
     """(x_mm, y_mm, area_mm2): points that sample the area touched by the object."""
     steps = np.arange(-reach_mm + STEP_MM / 2, reach_mm, STEP_MM)

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Floats, Ints, Values
+from meissner.arrays import Floats, Ints, Values, finite
 
 CIRCUITS = ("zero potential", "divider")
 UNSELECTED = ("grounded", "floating")
@@ -143,17 +143,20 @@ class Fault:
     column: int
 
 
+@finite
 def conductance(force_n: ArrayLike, material: Material, strength: Values = 1.0) -> Floats:
     """Siemens of cells under forces in newtons; ``strength``: each cell's factor on the nominal value."""
     pressed = np.maximum(np.asarray(force_n, float) - material.break_n, 0.0)
     return strength * pressed**material.power / material.ohm_1n + 1 / material.rest_ohm
 
 
+@finite
 def strengths(rows: int, columns: int, material: Material, rng: np.random.Generator) -> Floats:
     """Each cell's factor on the nominal conductance [rows, columns]."""
     return np.maximum(1 + material.spread * rng.standard_normal((rows, columns)), 0.1)
 
 
+@finite
 def drift(force_n: ArrayLike, material: Material, rate_hz: float) -> Floats:
     """1 + each cell's relative gain of conductance under load; ``force_n`` [frames, ...]."""
     gain, loaded_s = np.ones(np.shape(force_n)), np.zeros(np.shape(force_n)[1:])

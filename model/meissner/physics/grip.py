@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from meissner.arrays import Floats
+from meissner.arrays import Floats, finite
 from meissner.physics import mesh_loads, plate, rubber
 
 GRIP_RISE = 0.1  # published: 0.2 N of 2 N just before the slip; the third power is chosen
@@ -71,6 +71,7 @@ class Held:
     gross_s: float | None
 
 
+@finite
 def ramps(time_s: Floats, levels: Sequence[tuple[float, float, float]]) -> Floats:
     """Newtons [samples] from 0 through ``levels``, (start_s, length_s, to_n) each, by raised cosines."""
     force_n, last_n = np.zeros(len(time_s)), 0.0
@@ -83,6 +84,7 @@ def ramps(time_s: Floats, levels: Sequence[tuple[float, float, float]]) -> Float
     return force_n
 
 
+@finite
 def share(force_n: Floats, level: Floats) -> Floats:
     """G(N, u)/G(N, 0): the part of the conductance that remains at shear level u; 1 where nothing presses."""
     rest_v = rubber.rest_volts(force_n)
@@ -92,11 +94,13 @@ def share(force_n: Floats, level: Floats) -> Floats:
     return np.divide(left, rubber.SUPPLY_V - rest_v, out=np.ones(len(rest_v)), where=pressed)
 
 
+@finite
 def mirrored(direction_deg: float) -> float:
     """The direction of a pull for the sensor on the object's other side: left and right swapped."""
     return 180.0 - direction_deg
 
 
+@finite
 def pulled(
     time_s: Floats,
     grip_n: Floats,
@@ -123,12 +127,14 @@ def pulled(
     return Held(grip_n, felt_n, pull.tension_n, pull.slip_mm, move_mm, start_s, float(pull.gross_s))
 
 
+@finite
 def gripped(grip_n: Floats) -> Held:
     """``Held`` of a grip without a pull."""
     nothing = np.zeros(len(grip_n))
     return Held(grip_n, grip_n, nothing, nothing, nothing, None, None)
 
 
+@finite
 def loads(
     held: Held, m: int, n: int, pitch_mm: float, cover_pitches: float, direction_deg: float, rng: Generator
 ) -> tuple[Floats, Floats]:

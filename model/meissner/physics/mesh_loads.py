@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Floats, V, Values
+from meissner.arrays import Floats, V, Values, finite
 
 if TYPE_CHECKING:
     from meissner.physics.mesh import Mesh
@@ -90,6 +90,7 @@ def places(count: int, first: float = -1.0) -> Floats:
     return first - np.sign(first) * 2 * np.arange(count) / (count - 1)
 
 
+@finite
 def true_centre(load: ArrayLike) -> tuple[Floats, Floats, Floats]:
     """Total (N), x and y of loads [..., m, n]; x = y = 0 where nothing presses."""
     load = np.asarray(load, float)
@@ -100,6 +101,7 @@ def true_centre(load: ArrayLike) -> tuple[Floats, Floats, Floats]:
     return total, x, y
 
 
+@finite
 def cop_one_point(r: float = 10.0) -> MeshScene:
     """41×41, one load in the middle, for the voltage surface (mesh paper, figures 5 and 7)."""
     load = np.zeros((1, 41, 41))
@@ -122,6 +124,7 @@ def cop_load() -> MeshScene:
     return _published(5, 5, 47.0, load)
 
 
+@finite
 def random_points(
     m: int, n: int, count: int, totals: Sequence[float] | Floats, seed: int, split: str = "equal"
 ) -> Floats:
@@ -141,6 +144,7 @@ def random_points(
     return load.reshape(-1, m, n)
 
 
+@finite
 def cop_six_random(
     r: float, total: float, draws: int = 100, seed: int = 1, split: str = "equal"
 ) -> MeshScene:
@@ -149,6 +153,7 @@ def cop_six_random(
     return _published(41, 41, r, load)
 
 
+@finite
 def cover_kernel(row: V, column: V, depth: V) -> V:
     """Weight at offsets (row, column) of a point force on the cover, ``depth`` pitches above the taxels.
 
@@ -158,6 +163,7 @@ def cover_kernel(row: V, column: V, depth: V) -> V:
     return (1 + (np.square(row) + np.square(column)) / depth**2) ** -2.5
 
 
+@finite
 def press(m: int, n: int, x: ArrayLike, y: ArrayLike, force: ArrayLike, depth: ArrayLike) -> Floats:
     """Loads [scenes, m, n] of forces (N) at (x, y) in -1..1 on a flat cover ``depth`` pitches thick.
 
@@ -181,6 +187,7 @@ def _trim(load: Floats) -> Floats:
     return np.where(load < TRIM * load.max((1, 2), keepdims=True), 0, load)
 
 
+@finite
 def touches(m: int, n: int, kind: str, seed: int, total: float | None = None) -> Floats:
     """Loads of one kind of touch: totals of 1-25 N to fit a correction, or ``total`` newtons to check it.
 
@@ -204,6 +211,7 @@ def touches(m: int, n: int, kind: str, seed: int, total: float | None = None) ->
     return random_points(m, n, min(6, m * n), totals, seed, split)
 
 
+@finite
 def hemisphere_depth(x: Values, y: Values, radius: float, base: float) -> Values:
     """Height (pitches) of a hemispherical cover of ``radius`` (in -1..1 units) over the taxels at (x, y).
 
@@ -213,6 +221,7 @@ def hemisphere_depth(x: Values, y: Values, radius: float, base: float) -> Values
     return np.maximum(base * np.sqrt(np.maximum(fall, 0)), LEAST_DEPTH)
 
 
+@finite
 def stroke(m: int, n: int, force: float, circle: float, steps: int, cover_radius: float) -> Floats:
     """Loads [steps, m, n] of a fingertip (N) that draws a ``circle`` once on a hemispherical cover.
 
@@ -224,6 +233,7 @@ def stroke(m: int, n: int, force: float, circle: float, steps: int, cover_radius
     return press(m, n, x, y, force, hemisphere_depth(x, y, cover_radius, cover_radius * (max(m, n) - 1) / 2))
 
 
+@finite
 def cop_stroke(steps: int = 72, cover: float = COVER_RADIUS) -> MeshScene:
     """A fingertip draws a circle on a hemispherical cover over 3×3 taxels (mesh paper, figures 14, 15).
 

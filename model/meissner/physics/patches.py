@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from meissner.arrays import Floats
+from meissner.arrays import Floats, finite
 from meissner.physics import mesh_loads
 
 _STEP_PEAK = 2 * np.sqrt(2) / 3
@@ -33,6 +33,7 @@ ORIGINS = {
 }
 
 
+@finite
 def place(patch: Mapping[str, Any], phase: Floats) -> tuple[Floats, Floats]:
     """x and y of a patch at ``phase`` (0 to 1 during the run)."""
     if patch["path"] == "line":
@@ -46,6 +47,7 @@ def place(patch: Mapping[str, Any], phase: Floats) -> tuple[Floats, Floats]:
     return np.full(np.shape(phase), x), np.full(np.shape(phase), y)
 
 
+@finite
 def forces(
     rows: int, columns: int, patches: Sequence[Mapping[str, Any]], phase: Floats, depth: float
 ) -> Floats:

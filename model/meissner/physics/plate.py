@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Bools, Floats
+from meissner.arrays import Bools, Floats, finite
 from meissner.physics import rubber
 
 
@@ -107,6 +107,7 @@ class Pull:
     slips_s: Floats
     bent: float = 0.0  # mu·f of a grip that follows
 
+    @finite
     def time_of(self, ratio: ArrayLike) -> Floats:
         """The time at which the tension reaches ``ratio`` of the friction limit at that time."""
         ratio = np.asarray(ratio)
@@ -114,6 +115,7 @@ class Pull:
         return self.start_s + part * (self.gross_s - self.start_s)
 
 
+@finite
 def rise_s(
     normal_n: float, speed_mm_s: float, material: str, follow: float = 0.0, spread: float = 1.0
 ) -> float:
@@ -122,6 +124,7 @@ def rise_s(
     return mu_s * normal_n / (1.0 - mu_s * follow) / (PULL_STIFFNESS_N_MM * speed_mm_s)
 
 
+@finite
 def pull(
     time_s: Floats,
     normal_n: float,
@@ -184,6 +187,7 @@ def _ripple(samples: int, rate_hz: float, rng: np.random.Generator) -> Floats:
     return noise / np.std(noise)
 
 
+@finite
 def press(
     time_s: Floats, normal_n: float, ramps: Sequence[tuple[float, float]], rng: np.random.Generator
 ) -> tuple[Floats, Bools]:
@@ -210,6 +214,7 @@ def press(
     return np.maximum(force_n, 0.0), moving
 
 
+@finite
 def followed(time_s: Floats, normal_n: float, pull: Pull, follow: float, rng: np.random.Generator) -> Floats:
     """The normal force of a grip that follows the pull; its motor causes ripple until the contact slips."""
     first, last = np.searchsorted(time_s, [pull.start_s, pull.gross_s])

@@ -41,7 +41,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Floats, V
+from meissner.arrays import Floats, V, finite
 
 SUPPLY_V = 5.0
 SERIES_OHM = 1000.0
@@ -59,7 +59,8 @@ RESTORED = 1.0
 # Published (CoP slip): about 3 V from 2 V. One volt remains of 1.4, 1.6 and 2.1 V: 0.71, 0.63 and 0.48.
 CONVERGED = 0.4
 
-# Read off a publication: the plate moved about 0.1 mm while the force rose to slip (about 1.2 N at 2 N).
+# Published: the plate moved about 0.1 mm while the force rose to slip. The force is not printed: 1.2 N under
+# 2 N is chosen.
 STIFFNESS_N_MM = 12.0
 # The initial-slip sensor is 2.0 mm thick with its electrodes (published); the rubber's share of it, 1.5 mm,
 # is chosen. The high-sensitivity sensor is 0.5 mm thick (published), which would ring at 5.9 kHz, above half
@@ -67,6 +68,7 @@ STIFFNESS_N_MM = 12.0
 SIDE_MM, THICKNESS_MM, DENSITY_KG_M3, QUALITY = 6.0, 1.5, 1200.0, 3.0
 
 
+@finite
 def ring(thickness_mm: float, quality: float) -> tuple[float, float]:
     """Hertz and decay in seconds of a layer of that stiffness: a quarter wave, sqrt(k·h/(A·rho))/(4·h)."""
     modulus_pa = STIFFNESS_N_MM * thickness_mm / SIDE_MM**2 * 1e6
@@ -99,6 +101,7 @@ def _curve() -> tuple[Callable[[V], V], Floats]:
     return curve, curve(_LOG_FORCE[[0, -1]], 1)
 
 
+@finite
 def conductance(force_n: V) -> V:
     """G(F) in siemens; 0 where nothing presses."""
     with np.errstate(divide="ignore"):
@@ -110,26 +113,35 @@ def conductance(force_n: V) -> V:
     return np.exp(curve(inside) + slopes[0] * below + slopes[1] * above)
 
 
-def divider_volts(siemens: V) -> V:
-    """Vc for a conductance."""
+def _divided(siemens: V) -> V:
     return SUPPLY_V / (1.0 + SERIES_OHM * siemens)
 
 
+@finite
+def divider_volts(siemens: V) -> V:
+    """Vc for a conductance."""
+    return _divided(siemens)
+
+
+@finite
 def rest_volts(force_n: V) -> V:
     """Vi: Vc under a normal force alone."""
-    return divider_volts(conductance(force_n))
+    return _divided(conductance(force_n))
 
 
+@finite
 def shear_gain(rest_v: V) -> V:
     """k of the shear step. The published line holds from 2 to 4 V; above, it tapers to 0 at 5 V (chosen)."""
     return np.minimum(SHEAR_LINE[0] - SHEAR_LINE[1] * rest_v, SHEAR_TAPER * (SUPPLY_V - rest_v))
 
 
+@finite
 def shear_step(rest_v: V, speed_mm_s: V) -> V:
     """dV = k·v^n, the full step at a steady shear speed."""
     return shear_gain(rest_v) * np.abs(speed_mm_s) ** SHEAR_EXPONENT
 
 
+@finite
 def shear_level(time_s: ArrayLike, speed_mm_s: ArrayLike, recovers: float = RESTORED) -> Floats:
     """u(t) = dV/k for a shear speed that changes in steps; one exponential per step.
 
@@ -149,6 +161,7 @@ def shear_level(time_s: ArrayLike, speed_mm_s: ArrayLike, recovers: float = REST
     return level
 
 
+@finite
 def slipped(ratio: V) -> V:
     """S(q): the distance slipped in the ring at q = tangential force / (mu · normal force)."""
     ratio = np.clip(ratio, 0.0, 1.0)
@@ -217,7 +230,8 @@ ORIGINS = {
     ),
     "STIFFNESS_N_MM": (
         "read off",
-        "shear (journal), fig. 6: about 0.1 mm while the force rises to slip, about 1.2 N under 2 N. The "
+        "shear (journal), 3.2: about 0.1 mm while the force rises to slip, which is not printed; 1.2 N under "
+        "2 N is chosen. The "
         "high-sensitivity sensor's text has 0.2 mm, which would be 6",
         "ring (2.4 kHz at 6, 4.8 kHz at 24); delay 2.7 ms at 6, 29.7 ms at 24, lead 314 and 194 ms",
     ),
@@ -286,6 +300,7 @@ ORIGINS = {
 }
 
 
+@finite
 def event_ratios(rng: np.random.Generator, first: float = ONSET_RATIO, share: float = 1.0) -> Floats:
     """The values of q, ascending, at which patches let go: a Poisson process with the rate dS.
 
@@ -298,12 +313,14 @@ def event_ratios(rng: np.random.Generator, first: float = ONSET_RATIO, share: fl
     return np.interp(np.sort(rng.uniform(start, stop, count)), slipped(grid), grid)
 
 
+@finite
 def event_shares(count: int, scale: float, rng: np.random.Generator) -> Floats:
     """Signed shares of the conductance, log-normal in size; either sign, since paths part and rejoin."""
     size = np.exp(EVENT_SPREAD * rng.standard_normal(count))
     return EVENT_SHARE * scale * size * rng.choice((-1.0, 1.0), count)
 
 
+@finite
 def fluctuation(times_s: ArrayLike, shares: ArrayLike, samples: int, rate_hz: float) -> Floats:
     """e(t): each event steps by its share and rings down, exp(-t/RING_S)·cos(2·pi·RING_HZ·t).
 
@@ -321,11 +338,13 @@ def fluctuation(times_s: ArrayLike, shares: ArrayLike, samples: int, rate_hz: fl
     return lfilter([1.0], [1.0, -np.exp(pole)], comb).real
 
 
+@finite
 def event_steps(vc: V, shares: V) -> V:
     """The step of Vc, in volts, due to each event when Vc is ``vc``: dVc/dG·G = -Vc·(5-Vc)/5."""
     return -vc * (SUPPLY_V - vc) / SUPPLY_V * shares
 
 
+@finite
 def volts(force_n: V, level: V | None = None, share: V | None = None) -> V:
     """Vc in volts.
 

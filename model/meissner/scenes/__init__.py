@@ -36,20 +36,15 @@ def describe(name):
 def source(name):
     """The TOML text of the scene of that name."""
     if name not in _files():
-        raise ValueError(f"unknown scene '{name}'; the scenes are: {', '.join(names())}")
+        raise ValueError(f"unknown scene '{name}'; name a .toml file, or one of: {', '.join(names())}")
     return _files()[name].read_text("utf-8")
 
 
 def load(name):
-    """The scene of that name."""
-    return build(name, tomllib.loads(source(name)))
-
-
-def read(name):
     """The scene of that name, or of a TOML file's path."""
     path = Path(name)
     if name in _files() or path.suffix != ".toml":
-        return load(name)
+        return build(name, tomllib.loads(source(name)))
     return build(path.stem, parse(path, "a scene"))
 
 

@@ -21,7 +21,12 @@ def new_figure(width, height, title=None):
 
 
 def put_title(figure, text):
-    figure.suptitle(text, fontsize=13, x=0.01, ha="left", fontweight="bold")
+    figure.suptitle(literal(text), fontsize=13, x=0.01, ha="left", fontweight="bold")
+
+
+def literal(text):
+    """A user's text for a picture, in which a "$" begins no formula."""
+    return text.replace("$", r"\$")
 
 
 def lighten(axis):

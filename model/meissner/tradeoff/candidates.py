@@ -8,6 +8,7 @@ import copy
 import tomllib
 
 from meissner.builds import boards, config
+from meissner.builds.build import line_bytes
 from meissner.builds.keys import PARTS
 from meissner.physics.adc import PARTS as RANGES
 from meissner.tradeoff import worker
@@ -15,6 +16,7 @@ from meissner.tradeoff.axes import cop4, lanes
 from meissner.tradeoff.axes.slip import HOPS, PART_MV
 from meissner.tradeoff.sweep import figure_of
 from meissner.tradeoff.table import named
+from meissner.twins.link import packet
 
 # Converters by their bits over 0 to 5 V; the AD7606 has 16 bits over ±5 V.
 OF_BITS = {8: ("MAX11123",), 10: ("MAX11124",), 12: ("MCP3208", "MAX11125"), 15: ("AD7606",)}
@@ -76,30 +78,32 @@ def _electrodes(needs, _):
         )
     bits = RANGES["AD7606"].bits
     for R0_ohm in axis.values["R0_ohm"]:
-        point = {"side": rows, "r_ohm": needs.r_ohm or 100.0, "R0_ohm": R0_ohm, "bits": bits, "gain": 1}
+        point = {"side": rows, "r_ohm": needs.r_ohm or 100.0, "R0_ohm": R0_ohm, "bits": bits}
+        point |= {"noise_mv": cop4.PART_MV, "gain": 1}
         if not cop4.legal(point):
             raise ValueError(f"a mesh of {rows}×{rows} with r = {point['r_ohm']:g} ohms cannot be solved")
         yield {"point": point, **worker.measured(axis, point), "part": "AD7606"}
 
 
 def _array(needs, _):
-    axis = named("lanes")
+    axis, base = named("lanes"), tables_of(base_of(needs))
+    own = {"settle_us": base["adc"]["settle_us"], "health": base["array"]["health"]}
     for part in PARTS if needs.adc is None else (needs.adc,):
         for converters in axis.values["converters"]:
             for inputs in range(1, 9):
                 point = {"adc": part.lower(), "clock_mhz": clock_mhz(needs), "side": needs.rows or 64}
-                point |= {"columns": needs.columns or 64, "converters": converters, "inputs": inputs}
+                point |= {"columns": needs.columns or 64, "converters": converters, "inputs": inputs} | own
                 if lanes.legal(point):
                     yield {"point": point, **worker.measured(axis, point), "part": part}
 
 
 ROWS = {"channels": _channels, "electrodes": _electrodes, "array": _array}
 AXIS = {"channels": "slip", "electrodes": "cop4", "array": "lanes"}
-# Sort keys of candidates: cost first, then error, then delay.
+# Sort keys of candidates: cost first, then error, then delay. The fewest converters, as in `meissner budget`.
 PRICE = {
     "channels": ("kbit_s", "state_bits", "wrong", "delay_ms"),
     "electrodes": ("power_mw", "position"),
-    "array": ("switched", "pins", "us_taxel"),
+    "array": ("converters", "switched", "pins", "us_taxel"),
 }
 ERROR = {"channels": "wrong", "electrodes": "position", "array": None}
 LATENCY = {"channels": ("delay_ms", 1.0), "electrodes": (None, 1.0), "array": ("latency_us", 1e-3)}
@@ -110,6 +114,7 @@ def candidates(needs, results):
     found = list(ROWS[needs.sensor](needs, results))
     if not found:
         with_adc = f" with adc = {needs.adc}" if needs.adc else ""
+        with_adc += f" with a window of {needs.window} samples" if needs.window else ""
         raise ValueError(
             f"there is no measured point for {needs.sensor}{with_adc}; `meissner tradeoff` measures points"
         )
@@ -141,10 +146,17 @@ def tables(needs, row):
         found["sensor"] |= {"rows": point["side"], "columns": point["columns"]}
         adc |= {"converters": point["converters"], "channels": point["inputs"]}
         adc["lanes"] = 2 if row["part"] == "AD7606" and point["inputs"] > 4 else 1
-        adc["rate_hz"] = rounded_rate(MARGIN * row["error"]["frames_s"])
+        line = frames_on_line(found["link"]["baud"], point["side"], point["columns"])
+        adc["rate_hz"] = rounded_rate(min(MARGIN * row["error"]["frames_s"], line))
     found["adc"] = adc
     found["about"] = f"chosen by meissner choose: {needs.sensor} on {row['part']}"
     return found
+
+
+def frames_on_line(baud, rows, columns):
+    """Centres of pressure a second that a line carries besides one image."""
+    image = sum(map(line_bytes, packet.image_chunks(0, [0] * (rows * columns))))
+    return (baud / 10 - image) / line_bytes(packet.cop_frame(0, 0, 0, 0))
 
 
 def rounded_rate(rate):

@@ -1,4 +1,8 @@
-"""From needs to the cheapest configuration that meets them, with the cost of improving each figure."""
+"""From needs to the cheapest configuration that meets them, with the cost of improving each figure.
+
+Every measured point is filtered by the needs; only then the cheapest is taken. The cost of improving a figure
+is read off the front of the points with that converter and window.
+"""
 
 import json
 import tempfile
@@ -6,7 +10,7 @@ from pathlib import Path
 
 from meissner.builds import config
 from meissner.report.words import number
-from meissner.tradeoff import area
+from meissner.tradeoff import area, pareto
 from meissner.tradeoff.candidates import (
     AXIS,
     ERROR,
@@ -100,16 +104,20 @@ def chosen(needs, results):
             if len(refused) == ASKED:
                 break
             continue
-        return row, made, _why(needs, rows, row)
+        return row, made, _why(needs, rows, row, made)
     raise ValueError(
         f"{len(fits)} measured points meet the requirements, but none can be built: {refused[0]}"
     )
 
 
-def _why(needs, rows, row):
+def _why(needs, rows, row, made):
     axis = named(AXIS[needs.sensor])
     point = row["point"]
+    judged = [[figure_of(one, key) for key in axis.judged] for one in rows]
+    rows = [one for one, on in zip(rows, pareto.front(judged)) if on]
     lines = [f"{axis.title.lower()}: {_words(point, {})}"]
+    if warned := made.unsettled:
+        lines.append(f"warning: {warned}")
     for figure in axis.figures:
         value = figure_of(row, figure.key)
         if figure.judged and value is not None:

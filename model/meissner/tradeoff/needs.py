@@ -59,7 +59,14 @@ class Needs:
 
 NEEDS = {
     "slip1": Needs(
-        "channels", error=0, latency_ms=10, board="icebreaker", adc="MCP3208", channels=1, lut=500
+        sensor="channels",
+        error=0,
+        latency_ms=10,
+        board="icebreaker",
+        adc="MCP3208",
+        channels=1,
+        window=64,
+        lut=500,
     ),
     "cop4": Needs("electrodes", error=0.05, board="ulx3s", adc="AD7606", rows=7, columns=7, r_ohm=100.0),
     "array64": Needs("array", latency_ms=1, board="ulx3s", adc="AD7606", rows=64, columns=64),

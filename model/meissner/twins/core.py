@@ -59,8 +59,8 @@ class Hand:
         speeds = self._speeds(x) if self.shear else ()
         self.left = (self.left + x.shape[1]) % self.group
         word = self.actuate.next(x, p2p > self.threshold, ends, lost, override, speeds)
-        if self.shear and word.valid:
-            self.shear.commanded(word.increment)
+        if self.shear:
+            self.shear.commanded(word.increment if word.valid else None)
         return word
 
     def _speeds(self, x):
@@ -105,12 +105,15 @@ def samples_of(config, codes):
     return config.converter.samples(np.asarray(codes) & mask)
 
 
+def limits_of(config):
+    """The Limits of a configuration with health, as after reset."""
+    given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
+    return Limits(over_range_enable=bool(given.pop("use.user")), edges=bool(given.pop("use.edges")), **given)
+
+
 def array_of(config):
     """meissner.twins.sensor.sensors.Array of a configuration, as after reset."""
-    limits = tare = None
-    if config.health:
-        given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
-        limits = Limits(**given)
+    limits, tare = limits_of(config) if config.health else None, None
     if config.tare:
         tare = {"contact": config.tare.contact_codes, "step": config.tare.step}
     parameters, settings = config.parameters, config.settings

@@ -20,13 +20,13 @@ class Keys(Table, frozen=True):
 
     k0_v: Positive = 1.55
     k1: float = -0.27
-    n: Positive = 0.11
+    n: Annotated[float, Meta(gt=0, le=1)] = 0.11
     vi_min_v: float = 2.0
     vi_max_v: float = 4.0
     noise_v: NotNegative = 0.1
     still_v: NotNegative = 0.0025
-    limit_mm_s: Positive = 3.0
-    travel_mm: NotNegative = 0.01
+    limit_mm_s: Annotated[float, Meta(gt=0, lt=16)] = 3.0
+    travel_mm: Annotated[float, Meta(ge=0, le=1)] = 0.01
     hold_cycles: Annotated[int, Meta(ge=0, le=255)] = 0
 
     def __post_init__(self) -> None:
@@ -49,8 +49,24 @@ def check(base: "Config") -> None:
 
 def config(keys: Keys, base: "Config") -> ShearConfig:
     """The settings of the estimator in codes and clocks; ``base``: the rest of the build."""
-    codes_per_v = (1 << base.part.data_bits - base.part.signed) / exact(base.adc.volts)
-    top = (1 << base.part.data_bits - base.part.signed) - 1  # at this code the input is out of range
+    adc, codes_per_v = base.input, 1 / exact(base.input.lsb_v)
+    for key, least, most in (
+        ("vi_min_v", adc.low_v, adc.high_v),
+        ("vi_max_v", adc.low_v, adc.high_v),
+        ("noise_v", 0, adc.high_v - adc.low_v),
+        ("still_v", 0, adc.high_v - adc.low_v),
+    ):
+        value = getattr(keys, key)
+        if not least <= value <= most:
+            raise ValueError(
+                f"{key} = {value:g} must lie in {least:g} .. {most:g}, the range of the converter"
+            )
+    rise = [exact(keys.k0_v) + exact(keys.k1) * exact(v) for v in (keys.vi_min_v, keys.vi_max_v)]
+    if max(rise) <= 0 or min(rise) >= exact(adc.high_v - adc.low_v):
+        raise ValueError(
+            f"k0_v = {keys.k0_v:g}, k1 = {keys.k1:g}: 1 mm/s makes {float(min(rise)):g} to "
+            f"{float(max(rise)):g} V, which must be above 0 and below {adc.high_v - adc.low_v:g}"
+        )
     settings = ShearSettings.of(
         *(codes_per_v, exact(base.rate_hz), SIZE),
         k0=exact(keys.k0_v),
@@ -62,6 +78,13 @@ def config(keys: Keys, base: "Config") -> ShearConfig:
         still=exact(keys.still_v),
         limit=exact(keys.limit_mm_s),
         travel=exact(keys.travel_mm),
-        full=top / codes_per_v,
+        full=adc.max_code / codes_per_v,  # at this code the input is out of range
     )
+    for key, value in (
+        ("noise_v", settings.noise),
+        ("still_v", settings.still),
+        ("travel_mm", settings.travel),
+    ):
+        if getattr(keys, key) and not value:
+            raise ValueError(f"{key} = {getattr(keys, key):g} must be 0 or more: it is less than half a step")
     return ShearConfig(settings, keys.hold_cycles)

@@ -1,7 +1,7 @@
 """A four-wire mesh with parts missing: elements cut from the sheet, resistors cut, elements without rubber.
 
 Cutting out an element removes its node in both layers and every resistor that ends there (net paper, VIII).
-An element without rubber keeps its resistors but does not conduct between the layers (net paper, IV-E): a
+An element without rubber keeps its resistors but does not conduct between the layers (net paper, fig. 5 b): a
 force on it is not sensed, and nothing else changes. Where nodes are missing, a coordinate is no longer
 harmonic (eq. 6), so E1-E3 gives the first moment of h instead, the potential of the empty layer between E1 at
 -1 and E3 at 1: a single pressed element is reported at h instead of x, apart from a common factor.
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Bools, Floats, Ints
+from meissner.arrays import LARGEST, Bools, Floats, Ints
 from meissner.physics.mesh.circuit import GROUND, grid_edges
 
 if TYPE_CHECKING:
@@ -117,8 +117,12 @@ class CutMesh:
         """``Reading`` of loads [scenes, m, n] in newtons; a load without rubber or element is not sensed."""
         mesh, cells = self.mesh, self.mesh.m * self.mesh.n
         load = np.asarray(load, float)
-        if load.ndim != 3 or load.shape[1:] != (mesh.m, mesh.n) or not (load >= 0).all():
-            raise ValueError(f"load must be [scenes, {mesh.m}, {mesh.n}] newtons, 0 or more")
+        if (
+            load.ndim != 3
+            or load.shape[1:] != (mesh.m, mesh.n)
+            or not ((load >= 0) & (load <= LARGEST)).all()
+        ):
+            raise ValueError(f"load must be [scenes, {mesh.m}, {mesh.n}] newtons, 0 to {LARGEST:g}")
         E = np.zeros((4, len(load)))
         for k, force in enumerate(load):
             pressed = np.flatnonzero((force > 0) & self.felt)

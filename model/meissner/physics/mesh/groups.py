@@ -145,7 +145,7 @@ class Constant(Contacts):
         errors = []
         for lever, place, size in self.axes():
             away = lever * (2 / max(size - 1, 1)) - place[:, None] * (size > 1)
-            bound = np.sqrt((w * away**2).sum(-1)) * gap / (c - c_error)
+            bound = np.sqrt((w * away**2).sum(-1)) * gap * (c + root**2) / c**2
             errors.append(np.minimum(bound + 64 * UNIT, 1 + np.abs(place)) if size > 1 else 0 * c)
         residual = (np.sqrt(reach) * root[:, None]).max(-1)
         c_error = c_error * (1 + 1e-9) + (w.shape[-1] + 4) * UNIT * c

@@ -82,13 +82,13 @@ class Mesh:
         Parameters
         ----------
         load : numbers [m, n] or [scenes, m, n]
-            Newtons, 0 or more; ``np.inf`` shorts a taxel. Arrays of float32, float16, uint16 and uint8 are
-            read without a conversion.
+            Newtons, 0 to 1e12, which shorts a taxel. Arrays of float32, float16, uint16 and uint8 are read
+            without a conversion.
 
         Raises
         ------
         ValueError
-            For another shape, NaN, negative loads and an unknown solver.
+            For another shape, NaN, loads below 0 or above 1e12 and an unknown solver.
         """
         load, single = self._read(load)
         flat = load.reshape(-1)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meissner.arrays import Floats, Ints
+from meissner.arrays import LARGEST, Floats, Ints
 
 LINE = 1024  # taxels tested together
 LARGE = 32 * LINE  # from this many taxels on
@@ -16,10 +16,12 @@ def _check(load: NDArray[Any]) -> None:
         if np.isnan(load).any():
             raise ValueError("load holds NaN: every taxel needs a number of newtons")
         raise ValueError("load holds a negative force: taxels can only be pressed")
+    if load.size and not float(load.max()) <= LARGEST:
+        raise ValueError(f"load holds {load.max():g} newtons: a taxel takes {LARGEST:g} at most")
 
 
 def touched(load: NDArray[Any]) -> Ints:
-    """Indices of the numbers above 0 in the flat array ``load``; ValueError if one is NaN or below 0.
+    """Indices of what is above 0 in the flat array ``load``; ValueError if one is NaN, too large or negative.
 
     A line whose words have no bit set contains only +0 and is skipped.
     """

@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 
 from meissner import calibration, interval, scenes
+from meissner.builds.units import Units
 from meissner.engines import COP_ONE
 from meissner.physics import mesh_loads
 from meissner.scenes.drawing import draw_even
@@ -55,7 +56,7 @@ def run(scene, engine, seed, waves=None, progress=list):
     presses, force_n = recording.parts["calibration"]
     lines, residual_n = calibration.fit(presses, force_n)
     broken = broken_cells(scene)
-    min_load = round(scene.min_load_n / lines.force_lsb_n)
+    min_load = Units(newtons_per_code=lines.force_lsb_n).load_code(scene.min_load_n)
     forces = core.calibrate(recording.codes, lines)
     found = core.cop(forces, min_load)
     x, y, valid = found["x"] / COP_ONE, found["y"] / COP_ONE, found["valid"]

@@ -1,15 +1,15 @@
 """Scenes of an object held on the four-wire sensor: pulled until it slips, or gripped harder and softer."""
 
+import dataclasses
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 from msgspec import Meta
 from msgspec.structs import replace
 
-from meissner.builds import four_wires
-from meissner.builds.cop_tables import CopSlipKeys
-from meissner.physics import grip, mesh_loads, plate
+from meissner.builds import config as builds
+from meissner.physics import adc, grip, mesh_loads, plate
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Solution
 from meissner.scenes import base
@@ -19,12 +19,12 @@ from meissner.twins.cop.cop_slip import CopSlipRegisters
 
 FEATURES = {
     "cop4": "slip is detected in the electrodes' position and load",
-    "cop_slip": "its flag and direction are judged; [slip] configures it",
+    "cop_slip": "its flag and direction are judged; the build's [cop_slip] configures it",
 }
 WHY = {
-    "resistor mesh": "[mesh]: the sensor, loads to voltages",
+    "resistor mesh": "the build's [mesh]: the sensor, loads to voltages",
     "taxel resistance": "k_n_ohm: force to resistance",
-    "converter": "[converter]: voltages to codes, with its noise",
+    "converter": "the build's [adc] and amplifiers: voltages to codes, with the part's noise",
     "grip": "grip_n: force that holds the object",
     "pull": "[[world.pulls]]",
     "plate friction": "material of a pull: when the object moves",
@@ -70,21 +70,26 @@ class World(Table):
 
 
 class Keys(base.Keys):
-    RENAMED: ClassVar = {"slip": ("[cop_slip]", 1)}
-    rate_hz: Count
+    """``build``: a configuration of four electrodes (docs/config.md), its name or file, with all that is not
+    the world: mesh, converter, amplifiers, rate, load and detector.
+    """
+
     seeds: Count
-    mesh: four_wires.MeshKeys
-    converter: four_wires.NoisyConverter
-    load: four_wires.Load
-    cop_slip: CopSlipKeys
+    build: str
     world: World
+
+    @classmethod
+    def unknown(cls, key, value):
+        if key in ("mesh", "converter", "load", "cop_slip", "rate_hz"):
+            return f"'{key}' belongs in the configuration that 'build' names (docs/config.md)"
+        return None
 
 
 @dataclass(frozen=True)
 class Scene(base.Scene):
     """A checked scene. ``lag``: of msn_cop_slip, in samples, with its ``registers``."""
 
-    rate_hz: int
+    rate_hz: float
     seeds: int
     config: Cop4Config
     lag: int
@@ -117,15 +122,18 @@ class Recording(base.Recording):
 
 
 def build(name, table):
-    where = f"scene {name}"
     keys, own = base.read(name, table, Keys)
-    mesh = keys.mesh.mesh(keys.mesh.r_ohm)
-    config = four_wires.config(where, mesh, keys.converter, keys.load)
-    with naming(f"{where}, [cop_slip]"):
-        lag, registers = keys.cop_slip.codes(keys.rate_hz, config.load_lsb_n)
+    with naming(f"scene {name}: build"):
+        found = builds.load(keys.build)
+        if found.cop_slip is None:
+            raise ValueError(f"'{keys.build}' must have kind = 'electrodes' and the table [cop_slip]")
+    lag, registers = found.cop_slip
+    noise_v = adc.part_noise_v(found.part.name.upper(), found.adc.volts)
+    config = dataclasses.replace(found.cop4, adc=dataclasses.replace(found.cop4.adc, noise_v=noise_v))
     world = values(keys.world)
     conditions = (*world.pop("pulls"), *world.pop("grips"))
-    return Scene(**own, config=config, lag=lag, registers=registers, world=world, conditions=conditions)
+    settings = {"config": config, "lag": lag, "registers": registers, "rate_hz": found.rate_hz}
+    return Scene(**own, **settings, world=world, conditions=conditions)
 
 
 def modelled(scene, conditions=None):

@@ -4,16 +4,17 @@
 
 The word of a cycle moves the hand in the next one. A window counts once, where it is first over the
 threshold: msn_grip counts the stream of decisions. A finger is unhealthy after eight consecutive samples at
-the converter's lowest or highest code. On engine rtl a Verilated core does all of it, beside the twins.
+0 V or below: 5 V is the rubber at rest. On engine rtl a Verilated core does all of it, beside the twins.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from meissner.builds.input_range import Sensed, rails
 from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
-from meissner.scenes.hand.host import Host
+from meissner.scenes.hand.host import Host, quiet_v
 from meissner.scenes.hand.scene import grasp
 from meissner.twins.actuate.actuate import FingerHealth
 from meissner.twins.actuate.grip import Grip
@@ -111,8 +112,9 @@ class Reflexes:
         slip_of, grip_of = parts
         channels = 2 * len(starts)
         self.slip, self.windows = slip_of(channels, config), Windows(channels, config.window >> config.level)
-        self.health = FingerHealth(channels, adc.min_code, adc.max_code)
+        self.health = FingerHealth(channels, *rails(adc, Sensed(), "pulled_up"))
         self.reflexes = [grip_of(settings, 2, start=start) for start in starts]
+        self.gross_threshold = config.gross_threshold
 
     def compare_with(self, threshold):
         """Set the threshold [runs], in codes."""
@@ -124,9 +126,16 @@ class Reflexes:
             if (step, decay) != (reflex.config.step, reflex.config.decay):
                 reflex.config = replace(reflex.config, step=step, decay=decay)
 
+    def hold_above(self, floors):
+        """Set the least command; [runs], in counts."""
+        for reflex, floor in zip(self.reflexes, floors.tolist()):
+            if floor != reflex.config.minimum:
+                reflex.config = replace(reflex.config, minimum=floor)
+
     def next(self, codes):
         """(detail [channels, details], number of windows newly over [channels], Command of each run)."""
-        detail, _, self.over = self.slip.next(codes)
+        detail, p2p, self.over = self.slip.next(codes)
+        self.gross = (p2p > self.gross_threshold).any(axis=1)
         parts, ends, counts = self.windows.next(self.over)
         healthy = self.health.next(codes).reshape(-1, 2).tolist()
         parts = parts.reshape(len(self.reflexes), 2, -1).tolist()
@@ -149,7 +158,7 @@ class Cores:
         from meissner.twins.actuate.actuate import ActuateConfig
 
         self.twin = Reflexes((FixedSlip, Grip), config, settings, starts, adc)
-        actuate = ActuateConfig(settings, adc.min_code, adc.max_code)
+        actuate = ActuateConfig(settings, *rails(adc, Sensed(), "pulled_up"))
         self.cores = [self.core(2, config, actuate, block, start) for start in starts]
         self.windows = Windows(2 * len(starts), config.window >> config.level)
         self.mismatches = np.zeros(len(starts), dtype=np.int64)
@@ -165,6 +174,17 @@ class Cores:
         self.twin.answer_by(steps, decays)
         for core, step, decay in zip(self.cores, steps, decays):
             core["grip.step"], core["grip.decay"] = step, decay
+
+    def hold_above(self, floors):
+        """As Reflexes.hold_above."""
+        self.twin.hold_above(floors)
+        for core, floor in zip(self.cores, floors):
+            core["grip.minimum"] = floor
+
+    @property
+    def gross(self):
+        """As Reflexes.gross: what the host reads in the packets."""
+        return self.twin.gross
 
     def next(self, codes):
         """As Reflexes.next."""
@@ -272,7 +292,8 @@ def hold(scene, condition, seeds, parts):
     reflexes = Reflexes(parts, *given) if isinstance(parts, tuple) else parts(*given, block)
     goal = np.array([one.closing_mm for one in grasps])
     noise, adc = _Noise(scene, seeds, number), scene.adc
-    host = Host(scene, condition, reflexes, rubber.rest_volts(GRIP_N_MM * goal))
+    quiet = quiet_v(scene, condition, seeds)
+    host = Host(scene, condition, reflexes, rubber.rest_volts(GRIP_N_MM * goal), quiet)
     cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
     dead = np.inf if condition.dead_s is None else condition.dead_s
     since = scene.world["hold_from_s"]
@@ -288,12 +309,13 @@ def hold(scene, condition, seeds, parts):
         volts = found.volts + noise.next(block)
         codes, _ = adc.convert(volts.reshape(2 * runs, block))
         if time_s >= dead:
-            codes[:] = adc.max_code
+            codes[:] = 0
         host.write(cycle)
         detail, counts, words = reflexes.next(codes)
         increment = np.array([word.increment for word in words])
         command = np.array([word.command for word in words])
-        host.read(codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, command)
+        gross = reflexes.gross.reshape(runs, 2).any(axis=1)
+        host.read(codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, command, gross)
         contact, at, _ = found.events
         last_event[contact] = cycle * block + np.ceil(at).astype(np.int64)
         wrong = (counts > 0) & (last_event < cycle * block - wait)

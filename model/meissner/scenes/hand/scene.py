@@ -38,7 +38,7 @@ COMPONENTS = tuple(WHY)
 AT_ONCE = 50  # runs that advance together
 _CYCLE_BYTES, _SAMPLE_BYTES = 1000, 64
 
-_STEPS = ("step_share", "calm_share", "guard_s", "calm_decay_share")
+_STEPS = ("step_share", "calm_share", "guard_s", "calm_decay_share", "gross_share", "floor_decay_share")
 CYCLES_MS = (1, 2, 5, 10)
 _Spread = Annotated[float, Meta(ge=0, le=0.2)]
 _Seconds = Annotated[float, Meta(ge=0, le=1e4)]
@@ -49,13 +49,19 @@ _Millimetre = Annotated[float, Meta(ge=0, le=1)]
 
 
 class SlipKeys(Table):
-    """[slip]: of the slip path, what the reflex needs; the share is of Vc (1 - Vc/5 V), peak to peak too."""
+    """[slip]: of the slip path, what the reflex and its host need (scenes.hand.host).
+
+    The threshold is ``threshold_quiet`` times what the quiet sensor shows, or with ``threshold_p2p_share``
+    that share of Vc (1 - Vc/5 V), or without either ``threshold_p2p_v``; all peak to peak.
+    """
 
     RENAMED: ClassVar = {"threshold_v": ("threshold_p2p_v", 2), "threshold_share": ("threshold_p2p_share", 2)}
     window: int
     level: Literal[1, 2, 3]
     threshold_p2p_v: _Volts
-    threshold_p2p_share: Share
+    gross_threshold_p2p_v: _Volts
+    threshold_quiet: Annotated[float, Meta(ge=0, le=100)] = 0.0
+    threshold_p2p_share: Share = 0.0
 
 
 class GripKeys(Table):
@@ -74,15 +80,18 @@ class GripKeys(Table):
     calm_share: _Step = 0.0
     guard_s: _Range = 0.0
     calm_decay_share: Share = 0.0
+    gross_share: Share = 0.0
+    floor_decay_share: Share = 0.0
 
 
 class Condition(Table):
     """[[world.conditions]].
 
     ``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
+    ``material`` replaces the scene's, ``events`` multiplies the size of its events.
     ``step_mm``, ``decay_mm_s``, ``duration_s`` replace the scene's, the step without ``boost``;
     ``threshold_p2p_v``, too, and then stays constant. ``halves_s``: time at which friction halves;
-    ``dead_s``: time after which both converters give their highest code. ``count_mm``: millimetres per count
+    ``dead_s``: time after which both converters give code 0. ``count_mm``: millimetres per count
     of the command. Finer counts span less: with ``down_mm`` the command's zero lies that far below the grip,
     and all 16 bits are its range.
     """
@@ -100,6 +109,11 @@ class Condition(Table):
     duration_s: Annotated[float, Meta(ge=0.1, le=1e4)] | None = None
     count_mm: Annotated[float, Meta(ge=1e-6, le=COUNT_MM)] = COUNT_MM
     down_mm: Annotated[float, Meta(ge=0, le=10)] | None = None
+    material: str | None = None
+    events: Annotated[float, Meta(gt=0, le=10)] = 1.0
+
+    def __post_init__(self):
+        one_of("material", self.material or next(iter(plate.MATERIALS)), plate.MATERIALS)
 
 
 class World(Table):
@@ -149,31 +163,36 @@ class Scene(base.Sampled):
     def duration_s(self, condition):
         return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
 
-    def threshold_p2p_v(self, condition, vc_v=None):
-        """The threshold on the Haar coefficient's peak to peak.
+    def threshold_p2p_v(self, condition, vc_v=None, quiet_v=None):
+        """The threshold on the Haar coefficient's peak to peak; without ``vc_v`` that before the host's.
 
         An event takes a share of the rubber's conductance, which in volts is that share of Vc (1 - Vc/5 V).
-        With ``threshold_p2p_share`` above 0 the threshold follows ``vc_v`` in this way, if it is given.
+        With ``threshold_p2p_share`` above 0 the threshold follows ``vc_v`` in this way.
         """
         if condition.threshold_p2p_v is not None:
             return condition.threshold_p2p_v
-        share = self.slip["threshold_p2p_share"]
-        if vc_v is None or not share:
-            return self.slip["threshold_p2p_v"]
-        return share * vc_v * (1.0 - vc_v / SUPPLY_V)
+        share, quiet = self.slip["threshold_p2p_share"], self.slip["threshold_quiet"]
+        if share and vc_v is not None:
+            return share * vc_v * (1.0 - vc_v / SUPPLY_V)
+        if quiet and quiet_v is not None:
+            return quiet * quiet_v
+        return self.slip["threshold_p2p_v"]
 
     def _code(self, volts):
-        return Units(volts_per_code=self.adc.lsb_v, level=self.slip["level"]).detail_code(volts)
+        codes = self.adc.min_code, self.adc.max_code
+        return Units(volts_per_code=self.adc.lsb_v, level=self.slip["level"], codes=codes).detail_code(volts)
 
-    def threshold(self, condition, vc_v):
-        """The threshold on peak to peak in codes, at least 1, that a host writes for each run's ``vc_v``."""
-        return np.array([max(1, self._code(self.threshold_p2p_v(condition, v))) for v in vc_v])
+    def threshold(self, condition, vc_v, quiet_v):
+        """The threshold on peak to peak in codes, at least 1, that a host writes; both [runs]."""
+        both = zip(vc_v, quiet_v)
+        return np.array([max(1, self._code(self.threshold_p2p_v(condition, *one))) for one in both])
 
     def slip_config(self, condition) -> SlipConfig:
         """The slip detector's settings in codes and details."""
         level, window = self.slip["level"], self.slip["window"]
         code = self._code(self.threshold_p2p_v(condition))
-        return SlipConfig(window=window, hop=window, level=level, threshold=code, gross_threshold=code)
+        gross = max(code, self._code(self.slip["gross_threshold_p2p_v"]))
+        return SlipConfig(window=window, hop=window, level=level, threshold=code, gross_threshold=gross)
 
     @property
     def steps(self):
@@ -216,8 +235,10 @@ def build(name, table):
     conditions = tuple(world.pop("conditions"))
     scene = Scene(**own, slip=values(keys.slip), grip=values(keys.grip), world=world, conditions=conditions)
     for condition in conditions:
+        with naming(f"scene {name}, [slip] or [[world.conditions]]: threshold_p2p_v"):
+            scene.slip_config(condition)
         with naming(f"scene {name}"):
-            scene.slip_config(condition), scene.grip_config(condition)
+            scene.grip_config(condition)
     return scene
 
 
@@ -236,7 +257,7 @@ def grasp(scene, condition, seed):
     """The values drawn from one seed: mass, friction of both fingers, pour, initial grip."""
     world = scene.world
     rng = np.random.default_rng([seed, scene.conditions.index(condition)])
-    kind = plate.MATERIALS[world["material"]]
+    kind = plate.MATERIALS[condition.material or world["material"]]
 
     def spread(key, count=None):
         return np.maximum(1.0 + world[key] * rng.standard_normal(count), 0.1)
@@ -258,7 +279,7 @@ def grasp(scene, condition, seed):
         closing_mm=round(closing_mm / COUNT_MM) * COUNT_MM,
         first_event=condition.first_event,
         heal_s=condition.heal_s,
-        fluctuation=kind.fluctuation,
+        fluctuation=condition.events * kind.fluctuation,
         tugs=tuple(world["tugs"]),
         halves_s=condition.halves_s,
         rng=rng,

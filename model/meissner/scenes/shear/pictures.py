@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED, envelope, new_figure
+from meissner.scenes.drawing import BLUE, GREEN, INK, ORANGE, PURPLE, RED, envelope, literal, new_figure
 from meissner.scenes.shear.judge import slope
 from meissner.scenes.shear.published import CONVERGED_V, FIT, LINE, STEP_V
 
@@ -34,7 +34,7 @@ def label(axis, x=None, y=None, title=None):
         if text:
             put(text, fontsize=17)
     if title:
-        axis.set_title(title, loc="left", fontsize=17)
+        axis.set_title(literal(title), loc="left", fontsize=17)
 
 
 def curve(axis, time_s, values, colour=BLUE, **look):
@@ -177,7 +177,8 @@ def _panels(scene, shown, numbers):
         if cases:
             first = shown[cases[0]]
             curves = [
-                (case.name.rsplit(",", 3)[0], shown[case].time_s, _converted(shown[case])) for case in cases
+                (literal(case.name.rsplit(",", 3)[0]), shown[case].time_s, _converted(shown[case]))
+                for case in cases
             ]
             title = f"Fig. {number}: {speed:g} mm/s"
             yield Sheared(title, curves, first.start_s, first.stop_s, cases[0].rest_v + step_v)

@@ -4,15 +4,14 @@ which tb/sensor/test_array_pins.py measures at the pins of the RTL."""
 from meissner.budget import array
 from meissner.tradeoff.axis import Axis, Figure
 
-SETTLE_S = 1e-6
-
 
 def found(point):
-    """The budget of an array; it is square unless the point has ``columns``."""
+    """The budget of an array; it is square unless the point has ``columns``, and settles in ``settle_us``."""
     return array.budget(
         *(point["side"], point.get("columns", point["side"]), 1e6 * point["clock_mhz"]),
-        *(array.part_of(point["adc"]), point["converters"], SETTLE_S, point["inputs"]),
-        health=False,
+        *(array.part_of(point["adc"]), point["converters"], point.get("settle_us", 1.0)),
+        *(point["inputs"], point.get("sclk_khz")),
+        health=point.get("health", False),
     )
 
 
@@ -62,7 +61,7 @@ AXES = (
         figures=(
             Figure("pins", "inputs of converters", "inputs", judged=True),
             Figure("switched", "columns at an input", judged=True),
-            Figure("converters", "converters"),
+            Figure("converters", "converters", judged=True),
             Figure("us_taxel", "time of a taxel", "µs", judged=True),
             Figure("latency_us", "first convert start to centre of pressure", "µs"),
             Figure("frames_s", "frames", "1/s"),

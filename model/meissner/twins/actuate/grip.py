@@ -106,16 +106,28 @@ class Grip:
 
     def __init__(self, config=None, fingers=2, start=None):
         within(fingers=(fingers, 1, MAX_FINGERS))
-        self.config, self.fingers, self.start = config or GripConfig(), int(fingers), start
+        self._config, self.fingers, self.start = config or GripConfig(), int(fingers), start
         if start is not None:
             within(start=(start, self.config.minimum, self.config.maximum))
         self.reset()
 
+    @property
+    def config(self):
+        """The settings. Another mode resets the reflex: the command of one mode has no meaning in the other."""
+        return self._config
+
+    @config.setter
+    def config(self, config):
+        changed, self._config = config.mode != self._config.mode, config
+        if changed:
+            self.start = None
+            self.reset()
+
     def reset(self):
         """Forget all state; the hand stays where it is until the next command."""
-        self.command, self.armed, self.fault = 0, None, UNARMED
+        self.command, self.armed, self.fault = 0, False, UNARMED
         if self.start is not None:
-            self.command, self.armed, self.fault = int(self.start), self.config.mode, 0
+            self.command, self.armed, self.fault = int(self.start), True, 0
         self._speed_term = [0] * self.fingers
         self._quiet = [0] * self.fingers  # cycles in a row without a decision
         self._counted = [False] * self.fingers  # the current window was over and was counted
@@ -167,7 +179,7 @@ class Grip:
         self._speed_term = [0 if bad else term for term, bad in zip(self._speed_term, faulty)]
 
         before, valid = self.command, True
-        if self.armed == config.mode:
+        if self.armed:
             goal = before
             if override is not None:
                 goal = int(override)
@@ -184,7 +196,7 @@ class Grip:
             if valid:
                 goal = config.minimum if config.mode == "position" else int(override)
                 self.command = min(max(goal, config.minimum), config.maximum)
-                self.armed = config.mode
+                self.armed = True
 
         self.fault = SILENT * any(silent) | UNHEALTHY * (not all(healthy)) | UNARMED * (not valid)
         self.fault |= LIMIT * (valid and self.command >= config.maximum)

@@ -1,10 +1,12 @@
 """Bit-exact twins of rtl/frontend/msn_calibrate.sv, msn_taxel_table.sv and msn_grid_table.sv: forces from an
-array's samples, by taxel or by row and column; msn_calibration_preset.sv: the tables' words after reset."""
+array's samples, by taxel or by row and column."""
 
 import numpy as np
 
 from meissner.twins.common.arithmetic import round_sat
 from meissner.twins.shared import LANES, one_of, within
+
+ROW_GAIN = 4096  # of every row before the first swap
 
 
 def check_array(rows, columns, lanes, sample_bits):
@@ -17,15 +19,16 @@ def check_array(rows, columns, lanes, sample_bits):
 class TaxelTable:
     """Offset and gain of each taxel.
 
-    A write goes to the bank that is not in use; ``swap`` exchanges the two. A word is a beat of ``lanes``
-    columns. Offsets have ``offset_bits`` signed bits, gains 16 unsigned. ``offset`` False: all offsets are 0.
+    A write goes to the bank that is not in use; ``swap`` exchanges the two. Before the first one every offset
+    is 0 and every gain ``preset``. A word is a beat of ``lanes`` columns. Offsets have ``offset_bits``
+    signed bits, gains 16 unsigned. ``offset`` False: all offsets are 0.
     """
 
     row_column = False
 
     def __init__(self, rows, columns, lanes=1, sample_bits=17, offset=True):
         check_array(rows, columns, lanes, sample_bits)
-        self.rows, self.columns, self.lanes = rows, columns, lanes
+        self.rows, self.columns, self.lanes, self.preset = rows, columns, lanes, 0
         self.row_beats = -(-columns // lanes)
         self.offset, self.offset_bits = offset, sample_bits - self.row_column
         self.beats = self.row_beats if self.row_column else rows * self.row_beats  # words for ``write``
@@ -42,7 +45,9 @@ class TaxelTable:
             self._beats[1 - self._bank, part, word, lanes] = value
 
     def put(self, of_row, word, lanes, offset, gain):
-        """Write a row's entry or ``lanes`` of a word."""
+        """Write a row's entry or ``lanes`` of a word; nothing if there is no such row or word."""
+        if word >= (self.rows if of_row else self.beats):
+            return
         if of_row:
             self.write_row(word, offset, gain)
         else:
@@ -54,6 +59,9 @@ class TaxelTable:
 
     def words(self):
         """Offsets and gains in use, each [rows, row_beats * lanes]."""
+        if not self.loaded:
+            offsets = np.zeros((self.rows, self.row_beats * self.lanes), dtype=np.int64)
+            return offsets, offsets + self.preset * (ROW_GAIN if self.row_column else 1)
         if self._words is None:  # cached: writes go to the other bank
             self._words = self._in_use()
         return self._words
@@ -116,7 +124,7 @@ def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bit
 class Calibrate:
     """``forces`` with the tables: write and swap ``table``; ``next`` calibrates with the bank in use.
 
-    All forces are 0 until the first swap. ``row_column``: offset and gain of rows and columns.
+    ``row_column``: offset and gain of rows and columns.
     """
 
     def __init__(
@@ -160,20 +168,4 @@ class Calibrate:
             self.table.swap()
             self._swapping = False
         offset, gain = map(part, self.table.words())
-        if not self.table.loaded:
-            gain = np.zeros_like(gain)
         return forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
-
-
-ROW_GAIN = 4096
-
-
-def preset(rows, columns, lanes, gain, row_column=False):
-    """(row, word, offset, gain) of every write, each to all lanes of its word; then the banks are swapped."""
-    one_of(LANES, lanes=lanes)
-    row_beats = -(-columns // lanes)
-    if not row_column:
-        return [(False, word, 0, gain) for word in range(rows * row_beats)]
-    return [(False, word, 0, gain) for word in range(row_beats)] + [
-        (True, row, 0, ROW_GAIN) for row in range(rows)
-    ]

@@ -9,7 +9,8 @@ class Field:
     features (one bit per group that a build may omit, the first group lowest), width (of ``held_to``).
 
     ``signed``: two's complement; ``held_to``: the field of core.widths with the number of bits that a build
-    has for it; the core saturates the value to these bits.
+    has for it; the core saturates the value to these bits. ``acts``: each write of its byte acts, even of the
+    same value.
     """
 
     name: str
@@ -19,6 +20,7 @@ class Field:
     reset: int
     signed: bool = False
     held_to: str = ""
+    acts: bool = False
 
     @property
     def width(self):
@@ -40,17 +42,20 @@ class Field:
 
 @dataclass(frozen=True)
 class Register:
-    """``applies``: when a written value takes effect, at_once, at_frame, while_off or at_reset."""
+    """``applies``: when a written value takes effect, at_once, at_frame, at_scan, while_off or at_reset."""
 
     name: str
     address: int  # in bytes
     applies: str
     fields: tuple
-    strobe: bool  # every write acts, even of the same value
+
+    @property
+    def strobe(self):
+        return any(field.acts for field in self.fields)
 
     @property
     def writable(self):
-        return any(field.kind in ("setting", "command") for field in self.fields)
+        return self.applies != "at_reset" and any(f.kind in ("setting", "command") for f in self.fields)
 
 
 @dataclass(frozen=True)
@@ -79,18 +84,17 @@ def read(table):
         register, _, field = name.partition(".")
         high, low = (int(bit) for bit in bits.split(":"))
         held_to = "".join(word for word in more if word not in ("signed", "written"))
-        found = Field(field or "value", high, low, kind, int(reset, 16), "signed" in more, held_to)
-        place = groups[-1][3].setdefault(register, (int(address, 16), applies, [], []))
-        place[2].append(found)
-        place[3].append("written" in more)
+        flags = "signed" in more, held_to, "written" in more
+        found = Field(field or "value", high, low, kind, int(reset, 16), *flags)
+        groups[-1][3].setdefault(register, (int(address, 16), applies, []))[2].append(found)
     return tuple(
         Group(
             name,
             title,
             feature,
             tuple(
-                Register(register, address, applies, tuple(fields), any(strobes))
-                for register, (address, applies, fields, strobes) in registers.items()
+                Register(register, address, applies, tuple(fields))
+                for register, (address, applies, fields) in registers.items()
             ),
         )
         for name, title, feature, registers in groups

@@ -44,31 +44,31 @@ slip feature Slip of each channel
   228 keep_threshold       19:0  setting  fffff    at_frame  detail
 scan feature Scan of an array
   300 enable               0:0   setting  0        at_once
-  304 settle               15:0  setting  1        while_off
-  308 period               31:0  setting  0        while_off
-  30c interleave           0:0   setting  0        at_once
+  304 settle               15:0  setting  1        at_scan
+  308 period               31:0  setting  0        at_scan
+  30c interleave           0:0   setting  0        at_scan
   310 dropped              31:0  status   0        -
   314 overrun              31:0  status   0        -
   318 held                 31:0  status   0        -
   31c lost                 31:0  status   0        -
 health feature Health of taxels
-  400 band                 16:0  setting  2        at_once
-  404 jump                 16:0  setting  0        at_once
-  408 low                  16:0  setting  0        at_once   signed
-  40c high                 16:0  setting  ffff     at_once   signed
-  410 use.user             0:0   setting  1        at_once
-  410 use.edges            1:1   setting  1        at_once
-  414 still                7:0   setting  0        at_once
-  418 rail                 7:0   setting  0        at_once
-  41c blink                7:0   setting  0        at_once
-  420 clear                0:0   command  0        at_once
-  424 report               0:0   command  0        at_once
+  400 band                 16:0  setting  2        at_frame
+  404 jump                 16:0  setting  0        at_frame
+  408 low                  16:0  setting  0        at_frame  signed
+  40c high                 16:0  setting  ffff     at_frame  signed
+  410 use.user             0:0   setting  1        at_frame
+  410 use.edges            1:1   setting  1        at_frame
+  414 still                7:0   setting  0        at_frame
+  418 rail                 7:0   setting  0        at_frame
+  41c blink                7:0   setting  0        at_frame
+  420 clear                0:0   command  0        at_frame
+  424 report               0:0   command  0        at_frame
   428 dead                 20:0  status   0        -
   42c railed               20:0  status   0        -
   430 blinking             20:0  status   0        -
 tare feature Zero of each taxel
-  480 contact              16:0  setting  40       at_once
-  484 step                 7:0   setting  1        at_once
+  480 contact              16:0  setting  40       at_frame
+  484 step                 7:0   setting  1        at_frame
   488 force                0:0   setting  0        at_once
   48c at_start             0:0   setting  1        at_reset
   490 average              0:0   command  0        at_once
@@ -83,7 +83,7 @@ tare feature Zero of each taxel
   4ac refused              15:0  status   0        -
   4b0 swallowed            31:0  status   0        -
 calibrate feature Calibration of taxels
-  500 preset               15:0  setting  0        at_reset
+  500 preset               15:0  setting  0        at_frame
   504 word                 19:0  setting  0        at_once
   508 offset               16:0  setting  0        at_once   signed offset
   50c gain                 15:0  setting  0        at_once
@@ -120,7 +120,7 @@ cop_slip feature Slip from the load of four electrodes
   80c hold                 15:0  setting  0        at_frame
   810 refractory           15:0  setting  0        at_frame
 link feature Packets
-  900 images               0:0   setting  1        at_once
+  900 images               0:0   setting  1        at_frame
   904 packets              31:0  status   0        -
   908 cop_dropped          31:0  status   0        -
   90c image_dropped        31:0  status   0        -

@@ -1,8 +1,9 @@
 """Twin of rtl/link/msn_registers.sv: the answer to each access, and the values that the core sees.
 
 An access is an error, and changes nothing, at an address that is not a multiple of four or has no register in
-this build, and for a write to a read-only register. A build may have fewer bits for a setting than its field:
-the register keeps the written bytes, but a read and the core get the value saturated to the build's bits.
+this build, and for a write to a read-only register or, while its block is on, to one that applies while
+off. A build may have fewer bits for a setting than its field: the register keeps the written bytes, but a
+read and the core get the value saturated to the build's bits.
 """
 
 from meissner.twins.link.register_map import GROUPS
@@ -158,11 +159,17 @@ class Registers:
     def _write(self, group, register, data, strobe):
         if not register.writable:
             return True, set()
+        if register.applies == "while_off" and self.setting(group.name, "enable"):
+            return True, set()
         mask = sum(255 << 8 * byte for byte in range(4) if strobe >> byte & 1)
-        pulses = {(group.name, register.name, "written")} if register.strobe else set()
+        pulses = set()
         for field in register.fields:
             key = (group.name, register.name, field.name)
             given, kept = data >> field.low & field.most, mask >> field.low & field.most
+            if not kept:
+                continue
+            if field.acts:
+                pulses.add((group.name, register.name, "written"))
             if field.kind == "command" and given & kept:
                 pulses.add(key)
             elif field.kind == "setting":

@@ -7,7 +7,6 @@ import numpy as np
 
 from meissner.twins.cop.cop4 import cop4
 from meissner.twins.cop.cop_slip import CopSlip
-from meissner.twins.frontend.calibrate import preset
 from meissner.twins.sensor.array_forces import ArrayForces
 from meissner.twins.slip.slip import State
 
@@ -74,10 +73,7 @@ def sensor_array(array, samples, over=None):
 def from_reset(scan, gain, limits=None, tare=None, **kinds):
     """Array as a core has it after reset: preset gains, the first tare requested. The rest as in Array."""
     twin = Array(scan, limits, tare, **kinds)
-    table = twin.calibrate.table
-    for of_row, word, offset, value in preset(twin.rows, twin.columns, twin.lanes, gain, table.row_column):
-        table.put(of_row, word, slice(None), offset, value)
-    twin.calibrate.swap()
+    twin.calibrate.table.preset = gain
     if tare:
         twin.tare.tare(force=True)
     return twin

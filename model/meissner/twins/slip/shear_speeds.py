@@ -10,6 +10,7 @@ from meissner.twins.slip.shear_speed import ShearSettings, ShearSize, ShearSpeed
 SIZE = ShearSize()  # the only size in the core
 REPORT_SHIFT = 8  # from 2^-20 mm/s to the 2^-12 mm/s that the reflex takes
 MAX_CHANNELS = 8
+MAX_CYCLES = 255  # since a changed command; the count stops there
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class ShearConfig:
 
     def __post_init__(self):
         self.shear.check(SIZE)
-        fits(self, hold_cycles=(0, 255))
+        fits(self, hold_cycles=(0, MAX_CYCLES))
 
     @property
     def settings(self):
@@ -42,11 +43,13 @@ class ShearSpeeds:
         within(channels=(channels, 1, MAX_CHANNELS))
         self.config = config
         self.estimators = [ShearSpeed(config.shear, SIZE) for _ in range(channels)]
-        self.last, self.windows, self.cycles = [(0, 1)] * channels, [0] * channels, 0
+        self.last, self.windows, self.cycles = [(0, 1)] * channels, [0] * channels, MAX_CYCLES
 
     def commanded(self, increment):
-        """A control cycle changed the command by ``increment``."""
-        self.cycles = self.config.hold_cycles if increment else max(0, self.cycles - 1)
+        """A control cycle changed the command by ``increment``; None: the reflex is off, or has no command."""
+        self.cycles = (
+            MAX_CYCLES if increment is None else 0 if increment else min(MAX_CYCLES, self.cycles + 1)
+        )
 
     def next(self, x, hold=None):
         """Windows (twins.slip.shear_speed) of each channel that ``x`` [channels, frames] completes.
@@ -55,7 +58,10 @@ class ShearSpeeds:
         """
         x = np.asarray(x)
         hold = np.zeros(x.shape[1], bool) if hold is None else np.asarray(hold, bool)
-        found = [one.windows(row, hold | (self.cycles > 0)) for one, row in zip(self.estimators, x)]
+        found = [
+            one.windows(row, hold | (self.cycles < self.config.hold_cycles))
+            for one, row in zip(self.estimators, x)
+        ]
         for channel, windows in enumerate(found):
             self.windows[channel] += len(windows.flags)
             if len(windows.flags):

@@ -1,0 +1,135 @@
+"""``meissner budget --config`` of any sensor's build, by clocks that are worked out by hand, and what it and
+``config check`` say about a converter's analogue low pass."""
+
+import json
+import tomllib
+
+import pytest
+
+from harness.command import meissner
+from meissner.budget import array, channels, electrodes
+from meissner.builds import config
+
+
+def build(name, **changes):
+    """A named configuration with ``changes`` {table: {key: value}}."""
+    table = tomllib.loads((config.FOLDER / f"{name}.toml").read_text("utf-8"))
+    for key, values in changes.items():
+        table[key] |= values
+    return config.read("mine", table)
+
+
+# slip1 at 12 MHz and 1 MHz SCLK: 19 bits of 16 clocks (a power of two, and 12 are too few) and one more, then
+# two passes over eight pairs of bits, one clock to take the sample, one to decide. Two fingers of grip at
+# 24 MHz: one word of 20 bits of 24 clocks, and the 19 bits of the second.
+@pytest.mark.parametrize(
+    "of, clocks",
+    [
+        (build("slip1"), {"convert": 0, "transfer": 19 * 16 + 1, "serial": 2 * 8 + 2}),
+        (build("slip1", adc={"sclk_khz": 2000}), {"convert": 0, "transfer": 19 * 8 + 1, "serial": 18}),
+        (
+            build("grip"),
+            {"convert": 0, "transfer": 20 * 24 + 19 * 24, "frame_filter": 1, "haar": 1, "peak_to_peak": 2}
+            | {"slip": 2},
+        ),
+        (
+            build("grip", slip={"level": 3, "hop": 8}),
+            {"convert": 0, "transfer": 936, "frame_filter": 1, "haar": 3, "peak_to_peak": 3, "slip": 2},
+        ),
+    ],
+)
+def test_channels_by_hand(of, clocks):
+    found = channels.of_config(of)
+    assert found["terms_clocks"] == clocks and found["total_clocks"] == sum(clocks.values())
+    assert found["total_s"] == pytest.approx(sum(clocks.values()) / (1000 * of.clk_khz))
+    assert found["group_s"] == pytest.approx((2**of.slip.level - 1) / 10_000)
+    assert channels.tell(found)[0].startswith(
+        f"from convert start to the slip decision: {sum(clocks.values())}"
+    )
+
+
+@pytest.mark.parametrize("touch, clocks", [("none", 17), ("point", 37)])
+def test_electrodes_by_hand(touch, clocks):
+    """An AD7606 at 25 MHz: 4.2 us of conversion are 105 clocks. The fourth word of one lane comes 96 clocks
+    after the first, which docs/adc.md has 138 clocks after convert start, for a conversion of 4.15 us (104).
+    docs/cop4.md has the clocks after it. A code is 10 V/65536/0.3, and the noise 117 uV/0.3."""
+    found = electrodes.of_config(build("cop4", load={"correction": touch}))
+    words = found["terms_clocks"].pop("transfer")
+    assert found["terms_clocks"] == {"convert": 105, "cop4": clocks, "cop_slip": 5}
+    assert words == 138 - 104 + 1 + 3 * 32
+    assert found["total_clocks"] == words + 110 + clocks
+    of = found["resolution"]
+    assert of["code_v"] == pytest.approx(10 / 65536 / 0.3) and of["noise_v"] == pytest.approx(117e-6 / 0.3)
+    # The noise, 0.77 steps, adds to the 1/sqrt(12) steps rms of the quantisation; it has no greatest value.
+    quiet = electrodes.cop4.budget(build("cop4").cop4.mesh, 16, range_v=5 / 0.3)
+    for one, other in zip(of["loads"], quiet["loads"]):
+        for axis in ("x", "y", "load"):
+            ratio = (1 + 12 * (117e-6 / (10 / 65536)) ** 2) ** 0.5
+            assert one[axis]["rms"] == pytest.approx(ratio * other[axis]["rms"], rel=1e-9)
+            assert one[axis]["greatest"] == other[axis]["greatest"]
+
+
+@pytest.mark.parametrize("health", [False, True])
+@pytest.mark.parametrize("gains, more", [("taxel", 0), ("row_column", 12)])
+def test_an_array_is_that_of_the_same_numbers(gains, more, health):
+    """fingertip: 3 rows of one place with three inputs; a word of 20 bits of 24 clocks, 480 clocks, and a
+    clock in which all rows are low; 2 us to settle cost nothing. Two places and nearly three words, then 5
+    clocks of buffer, 1 of zeros, 1 of health and 14 of force, sums and division."""
+    of = build("fingertip", array={"gains": gains, "health": health})
+    found = array.of_config(of)
+    assert found["total_clocks"] == 2 * 1441 + 3 * 480 - 24 + 5 + 1 + health + 14 + more
+    assert (found["converters"], found["channels"], found["converters_needed"]) == (1, 3, 1)
+    assert found["frames_per_second"] == pytest.approx(24e6 / 3 / 1441)
+
+
+def test_every_named_configuration_and_a_file_of_ones_own_have_a_budget(tmp_path):
+    for name in config.names():
+        assert meissner("budget", "--config", name).stdout.splitlines()[0].startswith("from ")
+    text = (config.FOLDER / "fingertip.toml").read_text("utf-8").replace("rows = 3", "rows = 5")
+    text = text.replace("rate_hz = 4000.0", "rate_hz = 3000.0")
+    (tmp_path / "mine.toml").write_text(text, "utf-8")
+    done = meissner("budget", "--config", "mine.toml", "--json", cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert (found["config"], found["rows"], found["converters"]) == ("mine", 5, 1)
+
+
+# exp(-w)(cos w + sin w) with w = sqrt(2) pi f t: 5 us at 15 and 23 kHz are w = 0.33322 and 0.51094.
+@pytest.mark.parametrize(
+    "part, volts, settle_us, says",
+    [
+        ("AD7606", 5.0, 5.0, "91.2 % (±5 V, 15 kHz) of the old row 5 us after a switch"),
+        ("AD7606", 10.0, 5.0, "81.7 % (±10 V, 23 kHz) of the old row 5 us"),
+        ("AD7606", 5.0, 1.0, "99.6 % (±5 V, 15 kHz)"),
+        ("AD7606", 10.0, 40.0, "2.34 % (±10 V, 23 kHz)"),  # an overshoot
+        ("AD7606", 5.0, 75.0, None),
+        ("MAX11125", 5.0, 1.0, None),
+        ("MCP3208", 5.0, 0.0, None),
+    ],
+)
+def test_the_low_pass_of_a_scanned_converter_is_warned_of(tmp_path, part, volts, settle_us, says):
+    text = (config.FOLDER / "array64.toml").read_text("utf-8")
+    for old, new in (
+        ('part = "AD7606"', f'part = "{part}"'),
+        ("volts = 5.0", f"volts = {volts}"),
+        ("settle_us = 1.0", f"settle_us = {settle_us}"),
+        ("rate_hz = 1400.0", "rate_hz = 20.0"),
+        ("hold_ms = 20.0", "hold_ms = 60.0"),
+        ("refractory_ms = 10.0", "refractory_ms = 70.0"),
+        ("blank_ms = 50.0", "blank_ms = 80.0"),
+        ("lanes = 2", f"lanes = {2 if part == 'AD7606' else 1}"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "mine.toml").write_text(text, "utf-8")
+    for command in (("config", "check", "mine.toml"), ("budget", "--config", "mine.toml")):
+        done = meissner(*command, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert ("warning: " in done.stdout) == (says is not None) and (says or "") in done.stdout
+
+
+def test_a_budget_without_a_configuration_knows_no_range():
+    told = meissner("budget", "--settle-us", "5").stdout
+    assert "leaves 91.2 % (±5 V, 15 kHz) or 81.7 % (±10 V, 23 kHz) of the old row" in told
+    assert "warning" not in meissner("budget", "--adc", "MAX11125").stdout
+    told = meissner("choose", "array", "--latency", "1", "--adc", "AD7606").stdout
+    assert "# warning: the AD7606's analogue low pass of second order leaves 99.6 %" in told
