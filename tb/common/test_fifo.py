@@ -28,8 +28,8 @@ async def matches_model(dut, gap_rate, stall_rate):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(every=[1, 4])
 async def holds_its_depth_and_two(dut, every):
-    """Offered in each clock, or in every fourth: a place that stays free for a while is still taken. half_o: at
-    least half the places of the memory are, without the two registers."""
+    """Offered in each clock, or in every fourth: a place that stays free for a while is still taken. half_o:
+    at least half the places of the memory are, without the two registers."""
     depth = dut.Depth.value.to_unsigned()
     await bench.start(dut, in_data_i=0)
     taken = seen = 0

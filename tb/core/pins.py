@@ -116,8 +116,8 @@ def slip_of(packet):
 
 
 def changes_of(packets):
-    """[(time, channel, state before, state)] of the packets about changes; a slip starts from contact, and none
-    is late."""
+    """[(time, channel, state before, state)] of the packets about changes; a slip starts from contact, and
+    none is late."""
     found = [packet for packet in packets if packet.kind in (SLIP, CHANGE)]
     assert all(packet.payload[5] & 0x88 == 0 and len(packet.payload) == 6 for packet in found)
     before = lambda packet: 1 if packet.kind == SLIP else packet.payload[5] >> 4

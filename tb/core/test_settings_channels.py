@@ -190,8 +190,8 @@ async def each_setting_changes_its_own_events(dut):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_change_is_sent_and_each_bit_of_events_is_its_own(dut):
-    """All changes of all channels in order, with their times; then each state alone; then the states on request,
-    which are those of the last detail also while the converter is off."""
+    """All changes of all channels in order, with their times; then each state alone; then the states on
+    request, which are those of the last detail also while the converter is off."""
     core = await Core().begin(dut)
     codes, contacts, seen = scene(), [Contact() for _ in range(CHANNELS)], set()
     for events in (0b11111, 0b00001, 0b00010, 0b00100, 0b01000, 0b10000, 0):

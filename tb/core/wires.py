@@ -10,10 +10,11 @@ from meissner.twins.link.registers import settings
 
 # Modules below the core whose ports tests see, and one signal: bench.run makes them visible.
 SEEN = """acquire adc_spi bridge cobs cop4 cop_accumulate cop_slip electrodes frame_filter frame_gate
-frame_owed frame_owed.owed grip actuate.commands actuate.tightenings
-shear_speeds.last shear_speeds.pairs shear_speeds.windows health.dead_count health.railed_count health.blinking_count image_store link packet packet_slip
-registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip slip_chain.offered slip_changes slip_flags
-slip_path slip_serial sync *.cfg_*i tare.tared_count tare.refused_count tare.swallowed_count time_stamp uart_tx"""
+frame_owed frame_owed.owed grip actuate.commands actuate.tightenings shear_speeds.last
+shear_speeds.pairs shear_speeds.windows health.dead_count health.railed_count health.blinking_count
+image_store link packet packet_slip registers scan.lost scan_buffer scan_plan sensor_array
+sensor_channels skid slip slip_chain.offered slip_changes slip_flags slip_path slip_serial sync
+*.cfg_*i tare.tared_count tare.refused_count tare.swallowed_count time_stamp uart_tx"""
 SEEN = tuple(f"msn_{name}" for name in SEEN.split())
 
 # The struct of each of these ends, and where it is.

@@ -103,8 +103,8 @@ def test_everything_is_in_the_log(tmp_path, kind):
 
 
 def test_missing_changes_are_counted_by_hand():
-    """Channel 3 goes 0, 1, 2 and, what led there is missing, 4 from 1; channel 5 is first heard of in state 1,
-    and after a reset begins again."""
+    """Channel 3 goes 0, 1, 2 and, what led there is missing, 4 from 1; channel 5 is first heard of in state
+    1, and after a reset begins again."""
     columns = {"channel": [3, 5, 3, 3, 5, 5], "before": [0, 1, 1, 1, 2, 0], "state": [1, 2, 2, 4, 1, 1]}
     columns["ns"] = [1, 2, 3, 4, 5, 9]
     found = {f"change_{name}": np.array(values) for name, values in columns.items()}

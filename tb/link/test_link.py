@@ -14,8 +14,8 @@ import members
 from link import test_packet as packet
 from link.test_bridge import Registers
 from meissner.twins.link import packet as p
-from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, command
+from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.link import line_of, packets_of
 from meissner.twins.link.uart import levels
 
@@ -279,7 +279,7 @@ async def pulse(dut, **inputs):
 @bench.applies(lambda dut: not number(dut, "Uart") and number(dut, "SlipChannels") == 1)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def an_event_is_raised_and_takes_its_turn(dut):
-    """A decision without a change is taken immediately and not sent; an event waits while the queue is full."""
+    """A decision without a change is taken at once and not sent; a start waits while the queue is full."""
     stalled = False
     test, *_ = await begin(dut, {}, lambda: not stalled)
     dut.decision_valid_i.value, dut.decision_i.value = 1, members.word("decision", {"state": 0, "p2p": 7})
@@ -323,8 +323,8 @@ async def decide(dut, **word):
 async def every_channel_changes_in_one_detail(dut):
     """On a line that stands still: the queue takes as many changes as half its depth and two, and then none;
     each of the others comes late with the next detail after there is room, or is counted lost if its channel
-    changes before. Starts of a slip fill the queue to its end, and then hold the decisions up. Then the states
-    of all channels on request."""
+    changes before. Starts of a slip fill the queue to its end, and then hold the decisions up. Then the
+    states of all channels on request."""
     stalled = True
     test, *_ = await begin(dut, {}, lambda: not stalled)
     channels, depth = number(dut, "SlipChannels"), number(dut, "SlipDepth")

@@ -1,5 +1,5 @@
-"""msn_packet_slip against its model: convert start and change at every phase of the sweep; changes of every kind,
-changes that wait for the previous one while converts go on, a slow line, long times, packet numbers
+"""msn_packet_slip against its model: convert start and change at every phase of the sweep; changes of every
+kind, changes that wait for the previous one while converts go on, a slow line, long times, packet numbers
 past 255, resets in each state; the frame opens with the change itself; bounds on its wait and on the gaps of
 its bytes; there is room while no packet is under way."""
 

@@ -1,6 +1,6 @@
-"""msn_state_report against its model: the words of each packet in time for the line's fastest reader, at every
-number of channels around a word and a packet; a state that changes while the report is under way is the newer
-one from its word on; asked again before, during and between packets; the model by hand."""
+"""msn_state_report against its model: the words of each packet in time for the line's fastest reader, at
+every number of channels around a word and a packet; a state that changes while the report is under way is the
+newer one from its word on; asked again before, during and between packets; the model by hand."""
 
 import cocotb
 import numpy as np

@@ -1,4 +1,5 @@
-"""What the host hears of the channels' states, by docs/link.md: a plain list for each channel of what it owes."""
+"""What the host hears of the channels' states, by docs/link.md: for each channel a plain list of what it is
+owed."""
 
 NONE, CONTACT, INCIPIENT, GROSS, RELEASE = range(5)
 

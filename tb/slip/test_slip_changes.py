@@ -1,7 +1,7 @@
-"""msn_slip_changes against its model, and the model against a reference written from docs/link.md and against
-scenes worked out by hand: every change to every state, starts that wait and others that do not, changes without
-room that come late or are lost, each bit of the mask alone, several channels in one detail, frames cut anywhere,
-resets; the states that the host reads, also in the clock in which they change."""
+"""msn_slip_changes against its model, and the model against a reference written from docs/link.md and scenes
+worked out by hand: every change to every state, starts that wait and others that do not, changes without
+room that come late or are lost, each bit of the mask alone, several channels in one detail, frames cut
+anywhere, resets; the states that the host reads, also in the clock in which they change."""
 
 from itertools import product
 

@@ -117,7 +117,7 @@ class McapWriter:
         elif isinstance(item, packets.SlipEvent):
             values = {"channel": item.channel, "state": int(item.state), "p2p": item.p2p}
             self._numbers(stamp_ns, "/tactile/slip", item.time, values)
-            self._change(stamp_ns, item, **START | {"start": True})
+            self._change(stamp_ns, item, START["before"], late=False, start=True)
         elif isinstance(item, packets.StateChange):
             self._change(stamp_ns, item, before=int(item.before), late=item.late, start=False)
         elif isinstance(item, packets.States):

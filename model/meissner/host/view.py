@@ -159,7 +159,7 @@ class View:
 
         slips = Table("channel", "state", "peak-to-peak", "at", box=None)
         # Those that slip first, then those in contact: of an array not all can be shown.
-        order = {State.GROSS: 0, State.INCIPIENT: 1, State.CONTACT: 2}
+        order: dict[int, int] = {State.GROSS: 0, State.INCIPIENT: 1, State.CONTACT: 2}
         for channel in sorted(self.states, key=lambda c: (order.get(self.states[c][0], 3), c))[:HIGHEST]:
             state, p2p, since = self.states[channel]
             slips.add_row(

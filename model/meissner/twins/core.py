@@ -19,7 +19,7 @@ OF_LOAD = 65535  # channel of a slip event found in the load of four electrodes
 
 @dataclass(frozen=True)
 class Expected:
-    """``changes`` [(frame, type, payload)], ``cop`` [(frame, payload)], in order; ``images`` [frames, taxels].
+    """In order ``changes`` [(frame, type, payload)], ``cop`` [(frame, payload)]; ``images`` [frames, taxels].
 
     ``slip``: of ``changes`` the starts of a slip, [(frame, payload)].
     """

@@ -90,7 +90,7 @@ def image_chunks(number, taxels, chunk=64):
 
 
 def packets(changes, p2p_bits=24):
-    """The packets of ``changes`` of channel 0: (time of the convert start in clocks since reset, p2p, Change)."""
+    """The packets of ``changes`` of channel 0: (time of the convert start since reset, p2p, Change)."""
     within(p2p_bits=(p2p_bits, 1, 24))
     if any(not 0 <= p2p < 1 << p2p_bits for _, p2p, _ in changes):
         raise ValueError(f"a peak-to-peak does not fit {p2p_bits} bits")

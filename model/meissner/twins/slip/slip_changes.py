@@ -22,7 +22,7 @@ class SlipChanges:
     """``next`` takes a decision about a channel and returns its Change, or None.
 
         wanted = (state != told or raised) and events[state]
-        a start (raised) waits for its place; any other change goes with the first detail at which there is room
+        a start (raised) waits for its place; any other goes with the first detail at which there is room
         late = state != told and it is not new in this detail
 
     ``lost``: changes that followed an unsent one before there was room; ``now``: the state of each channel.

@@ -75,7 +75,7 @@ def slip_chain(samples, config, moving=None, mask=None, change=None, events=ALL)
     """(frame, channel, p2p, Change) of each change in samples [frames, channels]; ``config``: SlipConfig.
 
     ``mask`` [frames, channels]: samples not to be trusted; ``change``: (frame, threshold), another threshold
-    from that frame on; ``events``: as in SlipChanges. A change belongs to the last frame of its detail's group.
+    from that frame on; ``events``: as in SlipChanges. A change belongs to its detail's last frame.
     """
     found = decide(np.asarray(samples).T, config, moving, None if mask is None else mask.T, change)
     return changes_of(found.state, found.raised, found.p2p, 1 << config.level, events)
