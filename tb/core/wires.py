@@ -13,14 +13,15 @@ SEEN = """acquire adc_spi bridge cobs cop4 cop_accumulate cop_slip electrodes fr
 frame_owed frame_owed.owed grip actuate.commands actuate.tightenings shear_speeds.last shear_speeds.pairs
 shear_speeds.windows health.dead_count health.railed_count health.blinking_count image_store link packet
 packet_slip registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip
-slip_chain.offered slip_flags slip_path slip_serial sync *.cfg_*i tare.tared_count tare.refused_count
-tare.swallowed_count time_stamp uart_tx"""
+slip_chain.offered slip_changes slip_flags slip_path slip_serial sync *.cfg_*i tare.tared_count
+tare.refused_count tare.swallowed_count time_stamp uart_tx"""
 SEEN = tuple(f"msn_{name}" for name in SEEN.split())
 
 # The struct of each of these ends, and where it is.
 STRUCTS = {
     **{"cfg": ("cfg", "registers.cfg_o"), "status": ("status", "registers.status_i")},
     **{"sensed": ("status", "array.status_o"), "told": ("link_status", "link.status_o")},
+    "change": ("change", "sender.in_i"),
     **{"decision": ("decision", "link.decision_i"), "cop": ("cop", "link.cop_i")},
 }
 
@@ -116,7 +117,7 @@ WIRES = {
     "link": [
         ("link.bus_{}_o", "registers.bus_{}_i", "valid write address wdata strobe"),
         ("registers.bus_{}_o", "link.bus_{}_i", "done error rdata"),
-        ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected"),
+        ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected changes_lost"),
         ("link.now_o", "now"),
         ("bus_{}_i", "link.host_{}_i", "valid write address wdata strobe"),
         ("link.host_{}_o", "bus_{}_o", "done error rdata"),
@@ -131,8 +132,14 @@ WIRES = {
         ("slip.in_ready_o", "acquire.out_ready_i"),
         ("acquire.out_{}_o", "slip.in_{}_i", "data id last"),
         ("acquire.convert_o", "sender.convert_i"),
-        ("slip.out_{}_o", "sender.in_{}_i", "valid raised state p2p"),
-        ("sender.in_ready_o", "slip.out_ready_i"),
+        ("slip.out_valid_o", "changes.in_valid_i"),
+        ("changes.in_ready_o", "slip.out_ready_i"),
+        ("changes.out_valid_o", "sender.in_valid_i"),
+        ("changes.out_o", "sender.in_i"),
+        ("sender.in_ready_o", "changes.out_ready_i"),
+        ("sender.room_o", "changes.room_i"),
+        ("slip.out_raised_o", "change.start"),
+        ("slip.out_{}_o", "change.{}", "state p2p"),
         ("sender.out_{}_o", "cobs.in_{}_i", "begin valid data last"),
         ("cobs.in_ready_o", "sender.out_ready_i"),
         ("cobs.out_{}_o", "uart.in_{}_i", "valid data"),
@@ -184,10 +191,14 @@ INSTANCES = {
     "cop_slip": "u_cop_slip",
     "grip": "u_actuate u_grip u_finger_health u_pwm",
     "shear_speed": "u_shear_speeds u_shear_speed",
+    "link": "u_link",
 }
 GROUP_OF = {instance: group for group, instances in INSTANCES.items() for instance in instances.split()}
 # Ports with another name than their setting.
 NAMED = {f"u_{one}.cfg_scale_i": f"cop4.{k}.value" for one, k in (("x", "kx"), ("y", "ky"), ("load", "kf"))}
+NAMED["u_changes.cfg_events_i"] = [
+    f"link.events.{state}" for state in ("none", "contact", "incipient", "gross", "release")
+]
 NAMED["u_cop4.cfg_p_i"] = [f"cop4.p{n}.value" for n in range(6)]  # p0 lowest
 # Blocks that use the struct's members themselves, and settings that glue uses: other tests show their effect.
 READERS = ("u_health", "u_tare", "u_calibrate")
