@@ -161,9 +161,10 @@ module msn_scan_plan #(
   logic [PeriodBits-1:0] since_q;
   logic                  zero_q;  // since_q is the period, or more: compared a clock ahead
   logic                  tick, want_q, late_q, waits_q;
-  logic                  first_q, find_q;  // the last switch was its frame's first; it was in the clock before
+  logic                  first_q, find_q;  // the last switch was its frame's first; was in the clock before
   assign tick     = state_q != Off && cfg_enable_i && timed_q && zero_q;
-  assign due      = state_q == Free && open_q && (active_q || (cfg_enable_i && (!timed_q || want_q || zero_q)));
+  assign due      = state_q == Free && open_q
+                    && (active_q || (cfg_enable_i && (!timed_q || want_q || zero_q)));
   assign switch_o = due && room_i;
   always_ff @(posedge clk_i) begin
     if (state_q == Off || !cfg_enable_i)     since_q <= '0;
