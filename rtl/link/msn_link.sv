@@ -213,7 +213,7 @@ module msn_link #(
   logic unused;
   assign unused = ^{cfg_i, status_i, convert_i, time_i, decision_i, cop_i, health_valid_i, health_i,
                     image_valid_i, image_data_i, image_last_i, bus_done_i, bus_error_i, bus_rdata_i, rx_i,
-                    host_valid_i, host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i, answer_valid,
-                    answer, answer_ready, states_state};
+                    host_valid_i, host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i,
+                    answer_valid, answer, answer_ready, states_state};
 
 endmodule
