@@ -189,7 +189,6 @@ INSTANCES = {
     "cop": "u_cop u_divide",
     "cop4": "u_cop4",
     "cop_slip": "u_cop_slip",
-    "link": "u_link u_changes",
     "grip": "u_actuate u_grip u_finger_health u_pwm",
     "shear_speed": "u_shear_speeds u_shear_speed",
     "link": "u_link",
@@ -201,8 +200,6 @@ NAMED["u_changes.cfg_events_i"] = [
     f"link.events.{state}" for state in ("none", "contact", "incipient", "gross", "release")
 ]
 NAMED["u_cop4.cfg_p_i"] = [f"cop4.p{n}.value" for n in range(6)]  # p0 lowest
-STATES = ("none", "contact", "incipient", "gross", "release")
-NAMED["u_changes.cfg_events_i"] = [f"link.events.{state}" for state in STATES]
 # Blocks that use the struct's members themselves, and settings that glue uses: other tests show their effect.
 READERS = ("u_health", "u_tare", "u_calibrate")
 OF_GLUE = ["core.scratch.value", "core.hold.value", "link.images.value", "grip.enable.value"]
