@@ -16,7 +16,8 @@ V = TypeVar("V", float, Floats)  # a number gives a number, an array an array
 Arrays = dict[str, NDArray[Any]]  # by name, as in a .npz file
 
 LARGEST = 1e12  # size of any force, voltage, length, time or frequency
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def check_finite(name: str, value: object) -> None:
@@ -25,7 +26,8 @@ def check_finite(name: str, value: object) -> None:
         for each in value:
             check_finite(name, each)
     elif isinstance(value, int | float | complex | np.number):
-        if not abs(value) <= LARGEST:
+        size: Any = abs(value)
+        if not size <= LARGEST:
             shown = value if isinstance(value, int) else f"{value:g}"
             raise ValueError(f"{name} = {str(shown)[:40]} must be a number of at most {LARGEST:g} in size")
     elif isinstance(value, np.ndarray) and value.dtype.kind in "iufc":

@@ -49,5 +49,5 @@ def ends(low, high):
 
 def _percent(share):
     """Three digits, and near 100 % those of the distance from it."""
-    apart = 100 * (1.0 - share)
+    apart = float(f"{100 * (1.0 - share):.3g}")
     return f"{100 * share:.{1 - floor(log10(apart))}f}" if 0 < apart < 0.05 else f"{100 * share:.3g}"
