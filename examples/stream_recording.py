@@ -28,7 +28,7 @@ def main(path=None, threshold=40):
     while data := core.read(4096):  # the bytes that a core would send over its serial line
         for packet in decoder.next(data):
             event = assembler.next(packet)
-            count += 1
+            count += isinstance(event, packets.SlipEvent)
             print(
                 f"{event.time_s:.4f} s: channel {event.channel}, {event.state.name.lower()}, p2p {event.p2p}"
             )

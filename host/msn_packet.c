@@ -26,6 +26,10 @@ uint16_t msn_taxel(const struct msn_packet *packet, size_t index) {
   return (uint16_t)number_of(packet->payload + 5 + 2 * index, 2);
 }
 
+uint8_t msn_state(const struct msn_packet *packet, size_t index) {
+  return (uint8_t)(packet->payload[4 + index / 2] >> (index % 2 ? 4 : 0) & 7);
+}
+
 /* Restores the zeros in place: each code is the distance to the code before it. Returns 0 if the bytes are invalid. */
 static int unstuff(uint8_t *frame, size_t length) {
   size_t place = length - 1, code = frame[place];
@@ -48,6 +52,21 @@ static int fields(struct msn_packet *packet) {
       packet->is.slip.p2p = (uint32_t)number_of(b + 2, 3);
       packet->is.slip.state = b[5];
       return 1;
+    case MSN_CHANGE:
+      if (n != 6) return 0;
+      packet->is.change.channel = (uint16_t)number_of(b, 2);
+      packet->is.change.p2p = (uint32_t)number_of(b + 2, 3);
+      packet->is.change.state = b[5] & 7;
+      packet->is.change.told = b[5] >> 4 & 7;
+      packet->is.change.late = b[5] >> 7;
+      return 1;
+    case MSN_STATES:
+      if (n < 6) return 0;
+      packet->is.states.first = (uint16_t)number_of(b, 2);
+      packet->is.states.left = (uint16_t)number_of(b + 2, 2);
+      packet->is.states.count =
+          packet->is.states.left < MSN_MAX_STATES ? packet->is.states.left : MSN_MAX_STATES;
+      return n == 4 + 2 * (((size_t)packet->is.states.count + 3) / 4);
     case MSN_COP:
       if (n != 12) return 0;
       packet->is.cop.x = signed24(b);

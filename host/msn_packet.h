@@ -14,7 +14,21 @@
 #define MSN_MAX_PACKET 253
 #define MSN_MAX_TAXELS 116
 
-enum { MSN_SLIP = 1, MSN_COP = 2, MSN_IMAGE = 3, MSN_HEALTH = 4, MSN_STATISTIC = 5, MSN_ANSWER = 16 };
+#define MSN_MAX_STATES 128
+
+enum {
+  MSN_SLIP = 1, /* a slip begins */
+  MSN_COP = 2,
+  MSN_IMAGE = 3,
+  MSN_HEALTH = 4,
+  MSN_STATISTIC = 5,
+  MSN_CHANGE = 6, /* any other change of a channel's state */
+  MSN_STATES = 7, /* the states of channels, asked for by register link.states */
+  MSN_ANSWER = 16
+};
+
+/* The state of a channel. A change from incipient or gross to contact is the end of a slip. */
+enum { MSN_NONE = 0, MSN_CONTACT = 1, MSN_INCIPIENT = 2, MSN_GROSS = 3, MSN_RELEASE = 4 };
 
 struct msn_packet {
   uint8_t type;   /* for types not listed above, only payload is set */
@@ -24,6 +38,8 @@ struct msn_packet {
   size_t length;
   union {
     struct { uint16_t channel; uint32_t p2p; uint8_t state; } slip;
+    struct { uint16_t channel; uint32_t p2p; uint8_t state, told, late; } change; /* told: the state sent before */
+    struct { uint16_t first, left, count; } states; /* of channels first .. first + count - 1: msn_state */
     struct { int32_t x, y; uint64_t load; uint8_t pressed; } cop; /* x, y: 16384 = 1.0 */
     struct { uint8_t image, last; uint32_t first; uint16_t count; } image; /* taxels: msn_taxel */
     struct { uint32_t taxel; uint8_t faults; } health;
@@ -45,6 +61,9 @@ int msn_decode(struct msn_decoder *decoder, uint8_t byte, struct msn_packet *pac
 
 /* Taxel `index`, 0 .. count - 1, of an image packet. */
 uint16_t msn_taxel(const struct msn_packet *packet, size_t index);
+
+/* State of channel first + `index`, 0 .. count - 1, of a packet of states. */
+uint8_t msn_state(const struct msn_packet *packet, size_t index);
 
 /* CRC-32 (ISO-HDLC) of `length` bytes. */
 uint32_t msn_crc32(const uint8_t *bytes, size_t length);

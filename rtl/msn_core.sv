@@ -273,11 +273,11 @@ module msn_core #(
   // Packets to the host, commands from it.
   msn_link #(
     .ClkKhz(ClkKhz), .BaudHz(BaudHz), .SlipOnly(SlipOnly), .Uart(Uart), .Registers(Registers), .Array(Array),
-    .DetailBits(DetailBits), .SlipDepth((Slip || CopSlip) ? SlipDepth : 0), .Cop(Array || Cop4),
-    .Health(Health), .Statistics(Statistics), .StatisticBits(StatisticBits), .Taxels(Image ? Taxels : 0),
-    .Chunk(Chunk)
+    .DetailBits(DetailBits), .SlipChannels(Slip ? Taxels : 1), .FirstState(CopSlip ? 65535 : 0),
+    .SlipDepth((Slip || CopSlip) ? SlipDepth : 0), .Cop(Array || Cop4), .Health(Health),
+    .Statistics(Statistics), .StatisticBits(StatisticBits), .Taxels(Image ? Taxels : 0), .Chunk(Chunk)
   ) u_link (
-    .clk_i, .rst_i, .now_o(now), .status_i(status), .status_o(of_link), .convert_i(convert),
+    .clk_i, .rst_i, .now_o(now), .cfg_i(cfg.link), .status_i(status), .status_o(of_link), .convert_i(convert),
     .time_i(frame_time), .cop_valid_i(cop_valid), .cop_i(cop), .pressed_o, .decision_valid_i(decision_valid),
     .decision_ready_o(decision_ready), .decision_i(decision_o),
     .health_valid_i(health_valid), .health_ready_o(health_ready), .health_i(health),

@@ -39,6 +39,16 @@ package msn_pkg;
     logic [15:0] id;
   } decision_t;
 
+  // A change of a channel's state for the host, as msn_slip_changes finds it.
+  typedef struct packed {
+    logic        start;  // of a slip
+    logic        late;   // the channel had this state in an earlier detail already
+    slip_state_e told;   // the state that the host has of this channel
+    slip_state_e state;
+    logic [23:0] p2p;
+    logic [15:0] id;
+  } change_t;
+
   // What msn_slip reports to the grip reflex for each detail of one channel.
   typedef struct packed {
     logic        valid;

@@ -52,6 +52,7 @@ rtl/slip/msn_slip_serial.sv
 rtl/slip/msn_slip_flags.sv
 rtl/slip/msn_slip_path.sv
 rtl/slip/msn_slip_chain.sv
+rtl/slip/msn_slip_changes.sv
 rtl/slip/msn_shear_speed.sv
 rtl/slip/msn_shear_speeds.sv
 rtl/cop/msn_cop_accumulate.sv
@@ -69,6 +70,7 @@ rtl/link/msn_crc32.sv
 rtl/link/msn_packet_slip.sv
 rtl/link/msn_image_store.sv
 rtl/link/msn_image_chunks.sv
+rtl/link/msn_state_report.sv
 rtl/link/msn_packet.sv
 rtl/link/msn_cobs.sv
 rtl/link/msn_uart_tx.sv

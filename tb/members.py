@@ -41,6 +41,7 @@ for _kind in (CFG, STATUS):  # and of each group's own struct: PLACES["slip_cfg"
         _listed = [(m, bits) for g, m, bits in _members(_kind) if g == _group.name]
         PLACES[f"{_group.name}_{_kind}"] = _places(_listed)
 PLACES["decision"] = _places([("raised", 1), ("last", 1), ("state", 3), ("p2p", 24), ("id", 16)])
+PLACES["change"] = _places([("start", 1), ("late", 1), ("told", 3), ("state", 3), ("p2p", 24), ("id", 16)])
 PLACES["verdict"] = _places([("valid", 1), ("over", 1), ("last", 1), ("id", 16)])
 PLACES["shear"] = _places([("valid", 1), ("ok", 1), ("id", 3), ("speed", 16)])
 PLACES["cop"] = _places([("x", 24), ("y", 24), ("load", 40), ("pressed", 1)])

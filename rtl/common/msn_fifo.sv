@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // First in, first out: Depth entries in memory and two registers after it. Latency 3 clocks, one entry a clock.
+// half_o: Depth / 2 entries or more are in memory, so only Depth / 2 or fewer places are left.
 // Model: model/meissner/twins/common/handshake.py
 
 module msn_fifo #(
@@ -16,7 +17,8 @@ module msn_fifo #(
 
   output logic             out_valid_o,
   input  logic             out_ready_i,
-  output logic [Width-1:0] out_data_o
+  output logic [Width-1:0] out_data_o,
+  output logic             half_o
 );
 
   if (Depth < 2 || !msn_pkg::is_power(Depth)) begin : gen_check_depth
@@ -34,10 +36,14 @@ module msn_fifo #(
   logic               put, get, fetched_valid, free;
   logic               full;          // derived from both pointers in each clock, so that no upset persists
   (* keep *) logic    stays, fills;  // nets of their own: in_valid_i, which comes late, then passes one LUT
+  logic               keeps_half, makes_half;
   logic [PlaceBits:0] stored;           // more than Depth after an upset
   assign stored     = written - read;
   assign stays      = stored[PlaceBits] && (!get || stored[PlaceBits-1:0] != '0);
   assign fills      = !stored[PlaceBits] && stored[PlaceBits-1:0] == '1 && !get;  // with a put
+  assign keeps_half = stored > (PlaceBits + 1)'(Depth / 2) || (stored == (PlaceBits + 1)'(Depth / 2) && !get);
+  assign makes_half = (stored == (PlaceBits + 1)'(Depth / 2 - 1) && !get)
+                      || (stored == (PlaceBits + 1)'(Depth / 2) && get);
   assign in_ready_o = !full;
   assign put        = in_valid_i && in_ready_o;
   assign free       = out_ready_i || !out_valid_o;
@@ -53,6 +59,7 @@ module msn_fifo #(
       read    <= read + 1'b1;
     end
     full          <= stays || (fills && in_valid_i && !full);
+    half_o        <= keeps_half || (makes_half && put);
     fetched_valid <= get || (fetched_valid && !free);
     if (free) begin
       out_data_o  <= fetched;
@@ -62,6 +69,7 @@ module msn_fifo #(
       written       <= '0;
       read          <= '0;
       full          <= 1'b0;
+      half_o        <= 1'b0;
       fetched_valid <= 1'b0;
       out_valid_o   <= 1'b0;
     end

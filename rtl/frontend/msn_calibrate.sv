@@ -130,7 +130,7 @@ module msn_calibrate #(
     // Where no beat is under way and none has been for the fifo's 3 clocks, none is in the fifo either: so what an upset
     // changes of the credit lasts until the block is empty, and a block that takes no beat becomes empty.
     localparam int unsigned Inside = Stages + 3;
-    logic unused_room, gone, empty;
+    logic unused_room, unused_half, gone, empty;
     logic [5:0]              owed;  // fifo places in use or promised, as of up to two clocks ago
     logic [Inside:1]         valid;
     assign empty = valid == '0 && !out_valid_o;
@@ -189,7 +189,7 @@ module msn_calibrate #(
       .clk_i, .rst_i,
       .in_valid_i(valid[Stages]), .in_ready_o(unused_room),
       .in_data_i({marks[3*Stages-1-:3], mask[Stages*Lanes-1-:Lanes], rounded}),
-      .out_valid_o, .out_ready_i, .out_data_o({marks_out, out_mask_o, out_data_o})
+      .out_valid_o, .out_ready_i, .out_data_o({marks_out, out_mask_o, out_data_o}), .half_o(unused_half)
     );
   end
 

@@ -2,10 +2,11 @@
 //
 // The link to the host, with the clock count for the times in packets and the last centre of pressure's `pressed`.
 //
-//   Uart:      events, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
+//   Uart:      changes, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
 //              register bus ── bridge ── uart_rx ── line,   bridge ── answers ── packet
-//   else:      events, CoP, health, counters, images ── packet ── bytes, unframed;   register bus ── the host's bus
-//   SlipOnly:  events ── link_slip ── line
+//   else:      changes, CoP, health, counters, images ── packet ── bytes, unframed;   register bus ── the host's bus
+//   SlipOnly:  changes ── link_slip ── line
+//   changes:   decisions ── slip_changes
 //
 // The statistics are counters from status_i: with Array the scan's, else the converter's. Specification: docs/link.md.
 // With Registers = 0 nothing is received on the line.
@@ -20,7 +21,9 @@ module msn_link #(
   parameter bit          Array         = 1'b0,
   parameter int unsigned TimeoutClocks = 10 * ClkKhz,
   parameter int unsigned DetailBits    = 18,
-  parameter int unsigned SlipDepth     = 64,    // as in msn_packet, like the ones below
+  parameter int unsigned SlipChannels  = 1,     // of the decisions
+  parameter int unsigned FirstState    = 0,     // as in msn_packet, like the ones below
+  parameter int unsigned SlipDepth     = 64,
   parameter bit          Cop           = 1'b1,
   parameter bit          Health        = 1'b1,
   parameter bit          Statistics    = 1'b1,
@@ -32,6 +35,7 @@ module msn_link #(
   input  logic                            rst_i,
   output logic [47:0]                     now_o,             // clocks since reset
 
+  input  msn_registers_pkg::link_cfg_t    cfg_i,
   input  msn_registers_pkg::status_t      status_i,          // of the entire core
   output msn_registers_pkg::link_status_t status_o,
 
@@ -116,36 +120,62 @@ module msn_link #(
     assign {answer_valid, answer, status_o.rejected} = '0;
   end
 
+  // The changes of channels' states.
+  localparam int unsigned IdBits = msn_pkg::index_width(SlipChannels);
+  logic                 change_valid, change_ready, room;
+  msn_pkg::change_t     change;
+  logic [IdBits-1:0]    states_id;
+  msn_pkg::slip_state_e states_state;
+  if (SlipOnly || SlipDepth > 0) begin : gen_changes
+    msn_slip_changes #(.Channels(SlipChannels)) u_changes (
+      .clk_i, .rst_i,
+      .cfg_events_i({cfg_i.events_release, cfg_i.events_gross, cfg_i.events_incipient, cfg_i.events_contact,
+                     cfg_i.events_none}),
+      .in_valid_i(decision_valid_i), .in_ready_o(decision_ready_o), .in_i(decision_i),
+      .room_i(room), .out_valid_o(change_valid), .out_ready_i(change_ready), .out_o(change),
+      .read_id_i(states_id), .read_state_o(states_state), .lost_o(status_o.changes_lost)
+    );
+  end else begin : gen_no_changes
+    assign {decision_ready_o, change_valid, change, status_o.changes_lost} = {1'b1, 81'd0};
+    assign states_state = msn_pkg::None;
+    logic unused_changes;
+    assign unused_changes = ^{decision_valid_i, change_ready, room, states_id};
+  end
+
   if (SlipOnly) begin : gen_slip_only
     msn_link_slip #(.ClkHz(ClkHz), .BaudHz(BaudHz), .P2pBits(DetailBits)) u_link (
       .clk_i, .rst_i, .convert_i,
-      .in_valid_i(decision_valid_i), .in_ready_o(decision_ready_o), .in_i(decision_i),
+      .in_valid_i(change_valid), .in_ready_o(change_ready), .in_i(change), .room_o(room),
       .tx_o
     );
     assign {status_o.packets, status_o.cop_dropped, status_o.image_dropped, health_ready_o} = '0;
-    assign {answer_ready, out_valid_o, out_data_o, out_last_o} = '0;
+    assign {answer_ready, states_id, out_valid_o, out_data_o, out_last_o} = '0;
 
   end else begin : gen_packets
-    localparam int unsigned StatisticsBits = Statistics ? 256 : 32;
+    localparam int unsigned StatisticsBits = Statistics ? 288 : 32;
+    localparam int unsigned States         = (SlipDepth > 0 && (Registers || !Uart)) ? SlipChannels : 0;
     logic [95:0]               frames;
     logic [StatisticsBits-1:0] statistics;
     assign frames = Array ? {status_i.scan.lost, status_i.scan.overrun, status_i.scan.dropped} :
                     {status_i.adc.timeout, status_i.adc.overrun, status_i.adc.dropped};
     assign statistics = StatisticsBits'({
-        status_i.link.rejected, status_i.link.image_dropped, status_i.cop.damaged, status_i.slip.blanked,
+        status_i.link.changes_lost, status_i.link.rejected, status_i.link.image_dropped, status_i.cop.damaged, status_i.slip.blanked,
         status_i.slip.damaged, frames});
 
-    logic       slip_ready, packet_begin, packet_valid, packet_ready, packet_last;
+    logic       packet_begin, packet_valid, packet_ready, packet_last;
     logic [7:0] packet_data;
-    assign decision_ready_o = !decision_i.raised || slip_ready;
+    logic [msn_pkg::index_width(States)-1:0] asked_id;
+    assign states_id = IdBits'(asked_id);
     msn_packet #(
-      .SlipDepth(SlipDepth), .Cop(Cop), .Health(Health), .Answers(Uart && Registers),
-      .Statistics(Statistics ? 8 : 0), .StatisticBits(StatisticBits), .Taxels(Taxels), .Chunk(Chunk)
+      .SlipDepth(SlipDepth), .States(States), .FirstState(FirstState), .Cop(Cop), .Health(Health),
+      .Answers(Uart && Registers), .Statistics(Statistics ? 9 : 0), .StatisticBits(StatisticBits),
+      .Taxels(Taxels), .Chunk(Chunk)
     ) u_packet (
       .clk_i, .rst_i,
       .now_i(now_o),
-      .slip_valid_i(decision_valid_i && decision_i.raised), .slip_ready_o(slip_ready), .slip_i(decision_i),
-      .slip_time_i(time_i), .cop_valid_i, .cop_i, .cop_time_i(time_i),
+      .slip_valid_i(change_valid), .slip_ready_o(change_ready), .slip_room_o(room), .slip_i(change),
+      .slip_time_i(time_i), .states_i(cfg_i.states), .states_id_o(asked_id), .states_state_i(states_state),
+      .cop_valid_i, .cop_i, .cop_time_i(time_i),
       .health_valid_i, .health_ready_o, .health_i,
       .answer_valid_i(answer_valid), .answer_ready_o(answer_ready), .answer_data_i(answer),
       .statistics_i(statistics),
@@ -181,9 +211,9 @@ module msn_link #(
 
   // Signals that some builds do not use.
   logic unused;
-  assign unused = ^{status_i, convert_i, time_i, decision_i, cop_i, health_valid_i, health_i, image_valid_i,
+  assign unused = ^{cfg_i, status_i, convert_i, time_i, decision_i, cop_i, health_valid_i, health_i, image_valid_i,
                     image_data_i, image_last_i, bus_done_i, bus_error_i, bus_rdata_i, rx_i, host_valid_i,
                     host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i, answer_valid,
-                    answer, answer_ready};
+                    answer, answer_ready, states_state};
 
 endmodule

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The smallest link: sends the slip events of one channel to the line and receives nothing.
+// The smallest link: sends the changes of one channel to the line and receives nothing.
 //
-//   events ─ packet_slip ─ cobs ─ uart_tx ─ line
+//   changes ─ packet_slip ─ cobs ─ uart_tx ─ line
 //
-// Specification: docs/link.md. convert_i: the convert start; an event's packet carries its time.
+// Specification: docs/link.md. convert_i: the convert start; a change's packet carries its time.
 // Model: model/meissner/twins/link/link.py
 
 module msn_link_slip #(
@@ -12,14 +12,15 @@ module msn_link_slip #(
   parameter int unsigned BaudHz  = 1_000_000,
   parameter int unsigned P2pBits = 18
 ) (
-  input  logic               clk_i,
-  input  logic               rst_i,
+  input  logic             clk_i,
+  input  logic             rst_i,
 
-  input  logic               convert_i,
-  input  logic               in_valid_i,
-  output logic               in_ready_o,
-  input  msn_pkg::decision_t in_i,
-  output logic               tx_o
+  input  logic             convert_i,
+  input  logic             in_valid_i,
+  output logic             in_ready_o,
+  input  msn_pkg::change_t in_i,
+  output logic             room_o,
+  output logic             tx_o
 );
 
   logic       packet_begin, packet_valid, packet_ready, packet_last;
@@ -27,8 +28,7 @@ module msn_link_slip #(
   msn_packet_slip #(.P2pBits(P2pBits)) u_packet_slip (
     .clk_i, .rst_i,
     .convert_i,
-    .in_valid_i, .in_ready_o, .in_raised_i(in_i.raised), .in_state_i(in_i.state),
-    .in_p2p_i(in_i.p2p[P2pBits-1:0]),
+    .in_valid_i, .in_ready_o, .in_i, .room_o,
     .out_begin_o(packet_begin), .out_valid_o(packet_valid), .out_ready_i(packet_ready),
     .out_data_o(packet_data), .out_last_o(packet_last)
   );
@@ -47,8 +47,5 @@ module msn_link_slip #(
     .in_valid_i(framed_valid), .in_ready_o(framed_ready), .in_data_i(framed_data),
     .tx_o
   );
-
-  logic unused_in;
-  assign unused_in = ^in_i;
 
 endmodule

@@ -3,19 +3,24 @@
 // Packets of all kinds, as bytes: type, number, time (48 bits, lowest byte first), payload, CRC-32. Specification:
 // docs/link.md. Waiting packets are sent in this order of priority:
 //
-//   slip events   from a queue, never dropped: in_ready falls when it is full
-//   answers       of the register bridge, never dropped either
+//   slip          changes of channels' states, from a queue: slip_room_o falls when it is half full, slip_ready_o
+//                 when it is full. After a change that starts no slip the others go first once, after eight of
+//                 them an image's packet
+//   answers       of the register bridge, never dropped
+//   states        of all channels on request, up to 128 to a packet; msn_state_report
 //   CoP           the newest; it replaces an older one not yet sent, which is counted
 //   health        one at a time: health_ready_o is low until its packet has begun
 //   statistics    one counter every 2^StatisticBits clocks, in turn
-//   images        in packets of Chunk taxels, so that an event waits for at most one of them; msn_image_chunks
+//   images        in packets of Chunk taxels, so that a change waits for at most one of them; msn_image_chunks
 //
-// At most a byte every 4 clocks. If no packet is under way, an event's first byte follows it by 8 clocks;
-// out_begin_o, opening the frame, follows an event by 3, others by 4.   Model: model/meissner/twins/link/packet.py
+// At most a byte every 4 clocks. If no packet is under way, a change's first byte follows it by 8 clocks;
+// out_begin_o, opening the frame, follows a change by 3, others by 4.   Model: model/meissner/twins/link/packet.py
 // Error: none.
 
 module msn_packet #(
-  parameter  int unsigned SlipDepth     = 64,    // events that can wait, a power of two; 0: no slip events
+  parameter  int unsigned SlipDepth     = 64,    // changes that can wait, a power of two; 0: none
+  parameter  int unsigned States        = 0,     // channels whose states can be asked for
+  parameter  int unsigned FirstState    = 0,     // as in msn_state_report
   parameter  bit          Cop           = 1'b1,
   parameter  bit          Health        = 1'b1,
   parameter  bit          Answers       = 1'b1,
@@ -23,16 +28,18 @@ module msn_packet #(
   parameter  int unsigned StatisticBits = 20,
   parameter  int unsigned Taxels        = 4096,  // of an image; 0: none
   parameter  int unsigned Chunk         = 64,    // taxels of an image in one packet
-  localparam int unsigned Counters      = (Statistics > 0) ? Statistics : 1
+  localparam int unsigned Counters      = (Statistics > 0) ? Statistics : 1,
+  localparam int unsigned StateBits     = msn_pkg::index_width(States)
 ) (
   input  logic                   clk_i,
   input  logic                   rst_i,
 
   input  logic [47:0]            now_i,            // of health, statistics and answers
 
-  input  logic                   slip_valid_i,     // an event
+  input  logic                   slip_valid_i,     // a change
   output logic                   slip_ready_o,
-  input  msn_pkg::decision_t     slip_i,
+  output logic                   slip_room_o,
+  input  msn_pkg::change_t       slip_i,
   input  logic [47:0]            slip_time_i,
   input  logic                   cop_valid_i,
   input  msn_pkg::cop_t          cop_i,
@@ -40,6 +47,10 @@ module msn_packet #(
   input  logic                   health_valid_i,
   output logic                   health_ready_o,
   input  msn_pkg::health_t       health_i,
+
+  input  logic                   states_i,         // asks for the states
+  output logic [StateBits-1:0]   states_id_o,
+  input  msn_pkg::slip_state_e   states_state_i,   // of states_id_o, a clock later
 
   input  logic                   answer_valid_i,
   output logic                   answer_ready_o,
@@ -84,20 +95,27 @@ module msn_packet #(
   localparam int unsigned RecordBits  = 8 + 4 + 48 + PayloadBits;
 
   logic slip_valid, cop_valid, health_valid, statistic_valid, image_valid;
-  logic slip_take, cop_take, health_take, statistic_take, image_take;
-  logic [RecordBits-1:0] slip, cop, health, answer, statistic, image;
+  logic slip_take, cop_take, health_take, statistic_take, image_take, states_valid, states_take;
+  logic [RecordBits-1:0] slip, cop, health, answer, statistic, image, states;
 
+  logic slip_start;  // the change that waits starts a slip
   if (SlipDepth > 0) begin : gen_slip
-    logic [90:0] event_data;
-    msn_fifo #(.Depth(SlipDepth), .Width(91)) u_queue (
+    logic             half;
+    msn_pkg::change_t change;
+    logic [47:0]      change_time;
+    logic [4:0]       past;
+    msn_fifo #(.Depth(SlipDepth), .Width(96)) u_queue (
       .clk_i, .rst_i,
-      .in_valid_i(slip_valid_i), .in_ready_o(slip_ready_o),
-      .in_data_i({slip_i.state, slip_i.p2p, slip_i.id, slip_time_i}),
-      .out_valid_o(slip_valid), .out_ready_i(slip_take), .out_data_o(event_data)
+      .in_valid_i(slip_valid_i), .in_ready_o(slip_ready_o), .in_data_i({slip_i, slip_time_i}),
+      .out_valid_o(slip_valid), .out_ready_i(slip_take), .out_data_o({change, change_time}), .half_o(half)
     );
-    assign slip = {PayloadBits'(event_data[90:48]), event_data[47:0], 4'd6, 8'd1};
+    assign slip_room_o = !half;
+    assign slip_start  = change.start;
+    assign past        = change.start ? '0 : {change.late, change.told, 1'b0};
+    assign slip = {PayloadBits'({past, change.state, change.p2p, change.id}), change_time, 4'd6,
+                   change.start ? 8'd1 : 8'd6};
   end else begin : gen_no_slip
-    assign {slip_ready_o, slip_valid, slip} = '0;
+    assign {slip_ready_o, slip_room_o, slip_valid, slip_start, slip} = '0;
     logic unused_slip;
     assign unused_slip = ^{slip_valid_i, slip_take};
   end
@@ -159,6 +177,23 @@ module msn_packet #(
     assign unused_statistics = ^{statistics_i, statistic_take};
   end
 
+  logic        states_step, states_end;
+  logic [15:0] states_word;
+  if (States > 0) begin : gen_states
+    logic [15:0] first, remaining;
+    msn_state_report #(.Channels(States), .First(FirstState)) u_report (
+      .clk_i, .rst_i,
+      .report_i(states_i), .read_id_o(states_id_o), .read_state_i(states_state_i),
+      .chunk_valid_o(states_valid), .chunk_first_o(first), .chunk_left_o(remaining), .take_i(states_take),
+      .word_o(states_word), .end_o(states_end), .step_i(states_step)
+    );
+    assign states = {PayloadBits'({remaining, first}), now_i, 4'd4, 8'd7};
+  end else begin : gen_no_states
+    assign {states_id_o, states_valid, states, states_end, states_word} = '0;
+    logic unused_states;
+    assign unused_states = ^{states_i, states_state_i, states_take, states_step};
+  end
+
   logic        image_step;  // go to the next taxel
   logic        image_end;   // the present taxel is the packet's last
   logic [15:0] taxel;
@@ -196,22 +231,27 @@ module msn_packet #(
   state_e state;
 
   // The chosen source is registered and its record taken a clock later, because the record is wide.
-  logic                  idle, some;
-  logic [5:0]            waits, turn;  // the first of those that wait
+  logic                  idle, some, others, yields;  // yields: changes do, to the others
+  logic [2:0]            changes;                     // since a packet of an image
+  logic [6:0]            waits, turn;  // the first of those that wait
   logic [RecordBits-1:0] chosen;
   assign idle  = state == Idle && !out_valid_o;
-  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, answer_valid, slip_valid};
+  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, states_valid, answer_valid,
+                  slip_valid && (slip_start || !((yields && others) || (&changes && image_valid)))};
+  assign others = statistic_valid || health_valid || cop_valid || states_valid || answer_valid;
   assign some  = |waits;
-  assign {image_take, statistic_take, health_take, cop_take, answer_ready_o, slip_take} = turn;
+  assign {image_take, statistic_take, health_take, cop_take, states_take, answer_ready_o, slip_take} = turn;
   assign chosen = ({RecordBits{turn[0]}} & slip) | ({RecordBits{turn[1]}} & answer) |
-                  ({RecordBits{turn[2]}} & cop) | ({RecordBits{turn[3]}} & health) |
-                  ({RecordBits{turn[4]}} & statistic) | ({RecordBits{turn[5]}} & image);
+                  ({RecordBits{turn[2]}} & states) | ({RecordBits{turn[3]}} & cop) |
+                  ({RecordBits{turn[4]}} & health) | ({RecordBits{turn[5]}} & statistic) |
+                  ({RecordBits{turn[6]}} & image);
 
   // Send: at most a byte every fourth clock, so that memory and checksum have settled.
   logic [63+PayloadBits:0] bytes;  // of the record, the next byte lowest
   logic [4:0]              left;   // of the record after this one, then of the checksum
   logic [1:0]              phase;
-  logic                    pixels, upper, emit, section_end;
+  logic                    pixels, of_states, upper, emit, section_end, words_end;
+  logic [15:0]             word;  // a taxel, or four channels' states
   logic [31:0]             crc;
   logic [7:0]              crc_low;
   logic [23:0]             unused_crc;
@@ -219,10 +259,13 @@ module msn_packet #(
   assign {unused_crc, crc_low} = crc;
   assign out_begin_o = slip_valid || state != Idle;  // for the others a clock later, for timing
   assign emit        = state != Idle && (&phase) && !out_valid_o;  // not out_ready_i, whose path is long
-  assign next        = (state == Record) ? bytes[7:0] : (state == Pixels) ? (upper ? taxel[15:8] : taxel[7:0])
+  assign next        = (state == Record) ? bytes[7:0] : (state == Pixels) ? (upper ? word[15:8] : word[7:0])
                                          : ~crc_low;
-  assign section_end = (state == Pixels) ? upper && image_end : left == '0;
-  assign image_step  = emit && state == Pixels && upper;
+  assign word        = of_states ? states_word : taxel;
+  assign words_end   = of_states ? states_end : image_end;
+  assign section_end = (state == Pixels) ? upper && words_end : left == '0;
+  assign image_step  = emit && state == Pixels && upper && !of_states;
+  assign states_step = emit && state == Pixels && upper && of_states;
 
   always_ff @(posedge clk_i) begin
     if (out_ready_i) out_valid_o <= 1'b0;
@@ -242,15 +285,22 @@ module msn_packet #(
       upper <= 1'b0;
       if (some) state <= Record;
     end
+    if (|turn[6:1]) yields <= 1'b0;
+    else if (turn[0] && !slip_start) yields <= 1'b1;
+    if (turn[6]) changes <= '0;
+    else if (turn[0] && !slip_start && !(&changes)) changes <= changes + 1'b1;
     if (|turn) begin
       bytes     <= {chosen[RecordBits-1:12], packets_o[7:0], chosen[7:0]};
       left      <= 5'd7 + 5'(chosen[11:8]);
-      pixels    <= turn[5];
+      pixels    <= turn[6] || turn[2];
+      of_states <= States > 0 && turn[2];
       packets_o <= packets_o + 1'b1;
     end
     if (rst_i) begin
       state       <= Idle;
       turn        <= '0;
+      yields      <= 1'b0;
+      changes     <= '0;
       out_valid_o <= 1'b0;
       packets_o   <= '0;
     end

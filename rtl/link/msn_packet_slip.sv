@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Packets of slip events alone, for the smallest builds: what msn_packet sends for the same events, made bit by
+// Packets of one channel's changes alone, for the smallest builds: what msn_packet sends for them, made bit by
 // bit from columns of one small memory, 64 bits deep. A sweep of 64 clocks visits every bit.
 //
 //   column 0   time / 64 in bits 6 .. 47, incremented in each sweep; packets so far in bits 56 .. 63
 //   column 1   the same at the last convert start, whose low bits are in a register
-//   column 2   the packet's head: time, type, number;   column 3   its payload: peak-to-peak, state, channel
+//   column 2   the packet's head: time, type, number;   column 3   its payload: peak-to-peak, states, channel
 //
-// An event (in_raised_i) waits for its own sweep, 64 .. 191 clocks, that fills columns 2 and 3; other decisions
-// pass immediately. Then a byte is captured when a sweep passes its bits, up to one in 72 clocks, and at the end
-// the checksum is shifted out. out_begin_o rises with the event. The time is that of the last convert start
-// before the event was offered, in clocks since reset. Convert starts while an event waits are not recorded: an
-// event of a sample delayed by such a wait has the time of the last convert start before the wait.
+// A change waits for its own sweep, 64 .. 191 clocks, that fills columns 2 and 3, and before that for the packet under
+// way; room_o: there is none. Then a byte is captured when a sweep passes its bits, up to one in 72 clocks, and at the
+// end the checksum is shifted out. out_begin_o rises with the change. The time is that of the last convert start
+// before the change was offered, in clocks since reset. Convert starts while a change waits are not recorded: a
+// change of a sample delayed by such a wait has the time of the last convert start before the wait.
 // Error: none.
 // Model: model/meissner/twins/link/packet.py
 
@@ -25,9 +25,8 @@ module msn_packet_slip #(
 
   input  logic                 in_valid_i,
   output logic                 in_ready_o,
-  input  logic                 in_raised_i,
-  input  msn_pkg::slip_state_e in_state_i,
-  input  logic [P2pBits-1:0]   in_p2p_i,
+  input  msn_pkg::change_t     in_i,
+  output logic                 room_o,
 
   output logic                 out_begin_o,  // a packet follows or is under way
   output logic                 out_valid_o,
@@ -40,9 +39,8 @@ module msn_packet_slip #(
     $fatal(1, "msn_packet_slip: P2pBits = %0d must lie in 1 .. 24", P2pBits);
   end
 
-  logic event_waits, turn;
-  logic sending;
-  assign event_waits = in_valid_i && in_raised_i;
+  logic turn, sending;
+  assign room_o = !sending;
 
   // The sweep. The first one after reset clears column 0.
   logic [5:0] at, ahead;  // present bit, bit that the memory reads
@@ -58,10 +56,10 @@ module msn_packet_slip #(
     end
   end
 
-  // Convert starts: those while an event waits are ignored.
+  // Convert starts: those while a change waits are ignored.
   logic [5:0] low;  // of the time
   logic       mark, marked, snap;
-  assign mark = convert_i && !event_waits;
+  assign mark = convert_i && !in_valid_i;
   always_ff @(posedge clk_i) begin
     if (mark) low <= at;
     marked <= (marked || mark) && !turn;
@@ -72,12 +70,12 @@ module msn_packet_slip #(
     end
   end
 
-  // Events: the sweep begins when the line is free and the sweep that records the last convert start is over.
+  // Changes: the sweep begins when the line is free and the sweep that records the last convert start is over.
   logic copy;
-  assign in_ready_o  = !in_raised_i || (copy && turn);
-  assign out_begin_o = event_waits || sending;
+  assign in_ready_o  = copy && turn;
+  assign out_begin_o = in_valid_i || sending;
   always_ff @(posedge clk_i) begin
-    if (turn) copy <= event_waits && !sending && !marked && !copy;
+    if (turn) copy <= in_valid_i && !sending && !marked && !copy;
     if (rst_i) copy <= 1'b0;
   end
 
@@ -86,11 +84,15 @@ module msn_packet_slip #(
   logic        count, stamp, head, load, carry;  // the present bits
   logic [7:0]  lows;
   logic [31:0] loads;
+  logic [4:0]  past;
+  assign past  = in_i.start ? '0 : {in_i.late, in_i.told, 1'b0};
   assign lows  = {2'b00, low};
-  assign loads = {5'd0, in_state_i, 24'(in_p2p_i)};
+  assign loads = {past, in_i.state, 24'(in_i.p2p[P2pBits-1:0])};
 
   // Where the head's next bit comes from, chosen a clock before the memory answers: below 6 the time's low bits, then
   // the stamp, from 48 on the type, from 56 on the number.
+  logic [15:0] kind;  // 1 or 6
+  assign kind = in_i.start ? 16'd1 : 16'd6;
   logic next_count, next_stamp, next_head, next_load, early, late, from_stamp, from_count, known, loaded;
   assign early      = ahead[5:3] == '0 && ahead[2:1] != 2'b11;
   assign late       = &ahead[5:4];
@@ -102,7 +104,7 @@ module msn_packet_slip #(
   always_ff @(posedge clk_i) begin
     from_stamp <= !early && !late;
     from_count <= late && ahead[3];
-    known      <= early ? lows[ahead[2:0]] : late && ahead[3:0] == '0;
+    known      <= early ? lows[ahead[2:0]] : late && kind[ahead[3:0]];
     loaded     <= loads[ahead[4:0]] && !ahead[5];
     {load, head, stamp, count} <= memory[ahead];
     memory[at] <= {next_load, next_head, next_stamp, next_count};
@@ -111,7 +113,7 @@ module msn_packet_slip #(
   end
 
   // Byte by byte: places 6, 7, 8 .. 13 are type, number and time, in blocks 6, 7, 0 .. 5 of the head; 14 .. 19 are
-  // channel, peak-to-peak and state, in blocks 6, 7, 0 .. 3 of the load; 20 .. 23 the checksum.
+  // channel, peak-to-peak and states, in blocks 6, 7, 0 .. 3 of the load; 20 .. 23 the checksum.
   logic [4:0]  place;
   logic [31:0] crc;
   logic        crc_low;
@@ -142,6 +144,9 @@ module msn_packet_slip #(
   msn_crc32 #(.Bits(1)) u_crc (
     .clk_i, .clear_i(!sending), .step_i(fill), .in_data_i(checksum ? crc_low : present), .out_crc_o(crc)
   );
+
+  logic unused_in;
+  assign unused_in = ^in_i;
 
   // Reading a word in the clock in which it is written is undefined.
   msn_check u_read_is_not_written (.clk_i, .rst_i, .wrong_i(!rst_i && at == ahead));

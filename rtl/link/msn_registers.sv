@@ -105,7 +105,7 @@ module msn_registers #(
     localparam int unsigned Low   = 32'(Row.low);
     localparam int unsigned Width = 32'(Row.width);
     localparam int unsigned Place = 32'(Row.place);
-    localparam int unsigned Lock  = 32'(Row.lock);
+    localparam int unsigned Lock  = 32'(msn_registers_pkg::Switches[12*Row.group+:12]);
     localparam int unsigned Bits  = Row.held == msn_registers_pkg::Detail ? DetailBits :
                                     Row.held == msn_registers_pkg::Timer  ? TimerBits :
                                     Row.held == msn_registers_pkg::Load   ? LoadBits :
@@ -116,12 +116,10 @@ module msn_registers #(
     assign here[n]   = On && word == Row.word;
     if (Row.kind == msn_registers_pkg::Command) begin : gen_able
       assign able[n] = 1'b1;
-    end else if (Row.kind != msn_registers_pkg::Setting || Row.applies == msn_registers_pkg::AtReset) begin : gen_never
-      assign able[n] = 1'b0;
     end else if (Row.applies == msn_registers_pkg::WhileOff) begin : gen_while_off
-      assign able[n] = !cfg[Lock];
-    end else begin : gen_always
-      assign able[n] = 1'b1;
+      assign able[n] = Row.kind == msn_registers_pkg::Setting && !cfg[Lock];
+    end else begin : gen_rest
+      assign able[n] = Row.kind == msn_registers_pkg::Setting && Row.applies != msn_registers_pkg::AtReset;
     end
     assign delays[n] = Waits && write && here[n] && mask[Low+:Width] != '0;
 

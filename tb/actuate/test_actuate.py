@@ -131,7 +131,7 @@ def at_random(draw):
 @bench.applies(lambda dut: dut.Grip.value == 1 and bench.whole(dut))
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def counters_have_32_bits(dut):
-    """From values at which a carry goes through all lower bits: each word counts once, one that tightens in both."""
+    """From values at which a carry goes through all lower bits: each word counts, a tighter one twice."""
     stage, counters = Stage(dut), dut.gen_grip
     await stage.begin(step=1, maximum=65535)
     await stage.rest(60)

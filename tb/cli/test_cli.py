@@ -266,7 +266,7 @@ def test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error(tmp_path, 
     """With every option; then with one state of the twin changed, whether or not JSON is asked for."""
     own_scene(tmp_path)
     monkeypatch.chdir(tmp_path)
-    arguments = ["run", "mine.toml", "--engine", "rtl", "--seed", "7", "--out", "here"]
+    arguments = ["run", "mine.toml", "--engine", "rtl", "--seed", "7", "--out", "here", "--overwrite"]
     cli.main([*arguments, "--waves", "--json"])
     found = json.loads(capsys.readouterr().out)
     assert (found["scene"], found["seeds"], found["twin_mismatches"]) == ("mine", [7, 7], 0)

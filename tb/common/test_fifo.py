@@ -28,7 +28,8 @@ async def matches_model(dut, gap_rate, stall_rate):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(every=[1, 4])
 async def holds_its_depth_and_two(dut, every):
-    """Offered in each clock, or in every fourth: a place that stays free for a while is still taken."""
+    """Offered in each clock, or in every fourth: a place that stays free for a while is still taken. half_o:
+    at least half the places of the memory are, without the two registers."""
     depth = dut.Depth.value.to_unsigned()
     await bench.start(dut, in_data_i=0)
     taken = seen = 0
@@ -37,13 +38,17 @@ async def holds_its_depth_and_two(dut, every):
         dut.in_valid_i.value = int(offered)
         dut.in_data_i.value = taken & ((1 << len(dut.in_data_i)) - 1)
         await bench.ReadOnly()
+        if offered and every == 4:
+            assert dut.half_o.value == (taken - 2 >= depth // 2)
         taken += offered and dut.in_ready_o.value == 1
         await bench.RisingEdge(dut.clk_i)
     assert taken == depth + 2
     dut.in_valid_i.value = 0
     dut.out_ready_i.value = 1
-    for _ in range(depth + 20):
+    for clock in range(depth + 20):
         await bench.ReadOnly()
+        # One leaves in each clock, and its place in the memory was free two clocks before.
+        assert dut.half_o.value == (depth - clock >= depth // 2)
         if dut.out_valid_o.value == 1:
             assert bench.read(dut.out_data_o) == seen & ((1 << len(dut.in_data_i)) - 1)
             seen += 1

@@ -14,7 +14,7 @@ from cocotb.utils import get_sim_time
 import bench
 
 PERIOD_NS = 250
-SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
+SLIP, COP, IMAGE, HEALTH, STATISTIC, CHANGE, STATES, ANSWER = 1, 2, 3, 4, 5, 6, 7, 16
 # docs/link.md: the counters sent as statistics, with their index.
 STATISTICS = {
     "dropped": 0,
@@ -25,6 +25,7 @@ STATISTICS = {
     "cop_damaged": 5,
     "image_dropped": 6,
     "rejected": 7,
+    "changes_lost": 8,
 }
 # docs/registers.md.
 ADDRESS = {
@@ -54,7 +55,8 @@ ADDRESS = {
     **{"cop4.imbalance": 0x744, "cop_slip.drop": 0x800, "cop_slip.move": 0x804},
     **{"cop_slip.min_load": 0x808, "cop_slip.hold": 0x80C, "cop_slip.refractory": 0x810},
     **{"link.images": 0x900, "link.packets": 0x904, "link.cop_dropped": 0x908},
-    **{"link.image_dropped": 0x90C, "link.rejected": 0x910},
+    **{"link.image_dropped": 0x90C, "link.rejected": 0x910, "link.events": 0x914, "link.states": 0x918},
+    "link.changes_lost": 0x91C,
     **{"grip.enable": 0xA00, "grip.period": 0xA04, "grip.step": 0xA08, "grip.decay": 0xA0C},
     **{"grip.minimum": 0xA10, "grip.maximum": 0xA14, "grip.rate": 0xA18, "grip.watchdog": 0xA1C},
     **{"grip.rule": 0xA20, "grip.mode": 0xA24, "grip.immediate": 0xA28, "grip.override": 0xA2C},
@@ -111,6 +113,15 @@ def slip_of(packet):
     data = packet.payload
     assert packet.kind == SLIP and len(data) == 6
     return unsigned(data[0:2]), unsigned(data[2:5]), data[5]
+
+
+def changes_of(packets):
+    """[(time, channel, state before, state)] of the packets about changes; a slip starts from contact, and
+    none is late."""
+    found = [packet for packet in packets if packet.kind in (SLIP, CHANGE)]
+    assert all(packet.payload[5] & 0x88 == 0 and len(packet.payload) == 6 for packet in found)
+    before = lambda packet: 1 if packet.kind == SLIP else packet.payload[5] >> 4
+    return [(q.time, unsigned(q.payload[0:2]), before(q), q.payload[5] & 7) for q in found]
 
 
 def cop_of(packet):
@@ -203,7 +214,7 @@ class Host:
     async def statistics(self):
         """The next value of each statistic, by index; each packet's time must be that of its own sending."""
         first = len(self.packets)
-        while len(self.of_kind(STATISTIC, first)) < 9:
+        while len(self.of_kind(STATISTIC, first)) < 10:
             await rest(self.dut, 200)
         got = self.of_kind(STATISTIC, first)[1:]
         assert {packet.at - packet.time for packet in got} == {self.begins}
@@ -342,5 +353,5 @@ async def counters_are_their_own(host, sources, statistics):
         await bench.clocks(host.dut, 2)
         names = [name for name in sources if name in ADDRESS]
         assert await host.read(*names) == [values[name] for name in names]
-        expected = dict.fromkeys(range(8), 0) | {index: values[name] for name, index in statistics.items()}
+        expected = dict.fromkeys(range(9), 0) | {index: values[name] for name, index in statistics.items()}
         assert await host.statistics() == expected

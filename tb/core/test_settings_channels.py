@@ -189,6 +189,37 @@ async def each_setting_changes_its_own_events(dut):
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
+async def every_change_is_sent_and_each_bit_of_events_is_its_own(dut):
+    """All changes of all channels in order, with their times; then each state alone; then the states on
+    request, which are those of the last detail also while the converter is off."""
+    core = await Core().begin(dut)
+    codes, contacts, seen = scene(), [Contact() for _ in range(CHANNELS)], set()
+    for events in (0b11111, 0b00001, 0b00010, 0b00100, 0b01000, 0b10000, 0):
+        await core.host.set({"link.events": events})
+        first = len(core.host.packets)
+        _, starts, _ = await core.convert(codes, period=600)
+        wanted = []
+        for detail in range(DETAILS):
+            for channel, contact in enumerate(contacts):
+                before = contact.state
+                pair = codes[2 * detail : 2 * detail + 2, channel].tolist()
+                contact.step(*pair, detail, detail in MOVING, SETTINGS)
+                if contact.state != before and events >> contact.state & 1:
+                    wanted.append((starts[2 * detail + 1], channel, before, contact.state))
+        assert pins.changes_of(core.host.packets[first:]) == wanted, events
+        seen |= {(before, after) for *_, before, after in wanted}
+        await core.host.write(link__states=1)
+        await pins.rest(dut, 2000)
+        states = [contact.state for contact in contacts]
+        assert core.host.of_kind(pins.STATES)[-1].payload == bytes(
+            [0, 0, 3, 0, states[0] | states[1] << 4, states[2]]
+        )
+    assert seen >= {(0, 1), (1, 2), (1, 3), (2, 1), (3, 1), (1, 4), (4, 0)}
+    assert len(core.host.of_kind(pins.STATES)) == 7
+    assert await core.host.read("link.changes_lost") == [0]
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
 async def settings_that_are_held_take_effect_with_one_frame(dut):
     """While core.hold is 1 the core keeps the settings of before, though frames pass; then it takes all."""
     core = await Core().begin(dut)
@@ -238,7 +269,7 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
     # Packets begun before the answer, whose number is the next.
     (begun,) = await core.host.read("link.packets")
     assert begun == max(n for n, packet in enumerate(core.host.packets) if packet.kind == pins.ANSWER)
-    assert await core.host.statistics() == {0: 0, 1: 9, 2: 0, 3: 0, 4: 0, 5: 0, 6: 0, 7: 3}
+    assert await core.host.statistics() == {0: 0, 1: 9, 2: 0, 3: 0, 4: 0, 5: 0, 6: 0, 7: 3, 8: 0}
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
@@ -268,12 +299,15 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     sources = {f"adc.{name}": getattr(spi, f"{name}_o") for name in names}
     sources["slip.damaged"] = path.gen_parallel.u_frame_filter.damaged_o
     sources["slip.blanked"] = path.gen_parallel.u_slip.blanked_o
+    sources["link.changes_lost"] = dut.u_link.gen_changes.u_changes.lost_o
     sources["link.rejected"] = dut.u_link.gen_registers.u_bridge.rejected_o
     places = {"adc.dropped": 0, "adc.overrun": 1, "adc.timeout": 2, "slip.damaged": 3, "slip.blanked": 4}
-    await pins.counters_are_their_own(core.host, sources, places | {"link.rejected": 7})
+    await pins.counters_are_their_own(
+        core.host, sources, places | {"link.rejected": 7, "link.changes_lost": 8}
+    )
 
 
 def test_settings_channels():
     build = {"Adc": 5, "ClkKhz": 4000, "Channels": CHANNELS, "BaudHz": 1_000_000, "StatisticBits": 11}
-    build |= {"Window": WINDOW, "Hop": WINDOW, "SlipDepth": 2, "Grip": 1}
+    build |= {"Window": WINDOW, "Hop": WINDOW, "SlipDepth": 16, "Grip": 1}
     bench.run("core", "core", build, module="test_settings_channels", inside=SEEN)

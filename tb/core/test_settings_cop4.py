@@ -199,10 +199,28 @@ async def each_setting_of_cop_slip_changes_its_own_flag(dut):
 async def touched_while_something_presses_or_slips(dut):
     core = await Core().begin(dut)
     scene = [FREE, ONE, FREE, FREE, ONE, ONE, ONE, ONE, LESS, FREE, FREE, FREE, ONE, FREE]
-    _, slips, _, flags = await core.convert(scene)
+    _, slips, starts, flags = await core.convert(scene)
     events, wanted = slips_since_reset(scene, [(len(scene), SLIP)])
     assert flags == wanted and len(slips) == len(events) == 1
     assert wanted == [(0, k) for k in (0, 1, 0, 0, 1, 1, 1, 1)] + [(1, 1)] * 3 + [(0, k) for k in (0, 1, 0)]
+    # The packets say the same: none, contact, incipient; one for each change.
+    states = [2 * slip or touched for slip, touched in wanted]
+    changes = [
+        (starts[n], 65535, *pair) for n, pair in enumerate(zip([0, *states], states)) if len({*pair}) > 1
+    ]
+    assert pins.changes_of(core.host.packets) == changes and len(changes) == 7
+    await core.host.write(link__states=1)
+    await pins.rest(dut, 200)
+    assert [q.payload.hex() for q in core.host.of_kind(pins.STATES)] == ["ffff01000000"]
+    await core.host.write(link__events=0b00100)
+    first = len(core.host.packets)
+    await core.convert(scene)
+    assert [change[1:] for change in pins.changes_of(core.host.packets[first:])] == [(65535, 1, 2)]
+    await core.host.write(link__events=31)
+    await core.convert([ONE])
+    await core.host.write(link__states=1)
+    await pins.rest(dut, 200)
+    assert [q.payload.hex() for q in core.host.of_kind(pins.STATES)][1:] == ["ffff01000100"]
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -243,7 +261,7 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
     assert set(np.diff(starts)) == {200}, "a frame of 4 channels takes more than one period and less than two"
     assert await core.host.read(*counters) == [0, 7, 3, 0, 5]
     found = await core.host.statistics()
-    assert found == {0: 0, 1: 7, 2: 3, 3: 0, 4: 0, 5: 0, 6: 0, 7: 0}
+    assert found == {0: 0, 1: 7, 2: 3, 3: 0, 4: 0, 5: 0, 6: 0, 7: 0, 8: 0}
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -258,11 +276,12 @@ async def each_counter_has_its_own_register_and_statistic(dut):
         **{f"adc.{name}": getattr(spi, f"{name}_o") for name in ("mistagged", "over_range")},
         "cop_damaged": dut.gen_cop4.u_sensor.u_electrodes.damaged_o,
         "link.cop_dropped": dut.u_link.gen_packets.u_packet.cop_dropped_o,
+        "link.changes_lost": dut.u_link.gen_changes.u_changes.lost_o,
     }
     await pins.counters_are_their_own(
         core.host,
         sources,
-        {"adc.dropped": 0, "adc.overrun": 1, "adc.timeout": 2, "cop_damaged": 5},
+        {"adc.dropped": 0, "adc.overrun": 1, "adc.timeout": 2, "cop_damaged": 5, "link.changes_lost": 8},
     )
 
 

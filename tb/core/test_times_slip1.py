@@ -40,7 +40,7 @@ async def each_event_carries_its_converts_clock(dut):
 
     host, _ = await pins.begin(dut, part, Line)
     starts = pins.Edges(host, dut.adc_cs_n_o, to=0)
-    flags, wanted = [], []
+    flags, wanted, states = [], [], [0]
     for n in range(len(codes)):
         while len(starts.at) <= n:
             await pins.rest(dut, 5)
@@ -48,18 +48,25 @@ async def each_event_carries_its_converts_clock(dut):
         if n % 2:
             flags.append([bench.read(getattr(dut, f"{name}_o")) for name in ("touched", "gross", "slip")])
     await pins.rest(dut, 12 * PERIOD)
-    found = [(starts.at.index(packet.time), pins.slip_of(packet)) for packet in host.packets]
+    found = [(starts.at.index(packet.time), pins.slip_of(packet)) for packet in host.of_kind(pins.SLIP)]
     expected = []
     for detail in range(len(codes) // 2):
         event, _ = contact.step(*codes[2 * detail : 2 * detail + 2].tolist(), detail, False, SETTINGS)
         if event:
             expected.append((2 * detail + 1, (0, *event)))
+        states.append(contact.state)
         slips = contact.state in (INCIPIENT, GROSS)
         wanted.append([int(slips or contact.state == CONTACT), int(contact.state == GROSS), int(slips)])
     assert set(np.diff(starts.at)) == {PERIOD}
     assert len({starts.at[frame] % 64 for frame, _ in expected}) == len(expected) > 5
     assert found == expected
     assert flags == wanted
+    changes = [
+        (starts.at[2 * place - 1], 0, states[place - 1], state)
+        for place, state in enumerate(states)
+        if place and state != states[place - 1]
+    ]
+    assert pins.changes_of(host.packets) == changes and len(changes) > len(expected) + 3
 
 
 def test_times_slip1():

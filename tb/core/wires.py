@@ -10,16 +10,18 @@ from meissner.twins.link.registers import settings
 
 # Modules below the core whose ports tests see, and one signal: bench.run makes them visible.
 SEEN = """acquire adc_spi bridge cobs cop4 cop_accumulate cop_slip electrodes frame_filter frame_gate
-frame_owed frame_owed.owed grip actuate.commands actuate.tightenings
-shear_speeds.last shear_speeds.pairs shear_speeds.windows health.dead_count health.railed_count health.blinking_count image_store link packet packet_slip
-registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip slip_chain.offered slip_flags
-slip_path slip_serial sync *.cfg_*i tare.tared_count tare.refused_count tare.swallowed_count time_stamp uart_tx"""
+frame_owed frame_owed.owed grip actuate.commands actuate.tightenings shear_speeds.last shear_speeds.pairs
+shear_speeds.windows health.dead_count health.railed_count health.blinking_count image_store link packet
+packet_slip registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip
+slip_chain.offered slip_changes slip_flags slip_path slip_serial sync *.cfg_*i tare.tared_count
+tare.refused_count tare.swallowed_count time_stamp uart_tx"""
 SEEN = tuple(f"msn_{name}" for name in SEEN.split())
 
 # The struct of each of these ends, and where it is.
 STRUCTS = {
     **{"cfg": ("cfg", "registers.cfg_o"), "status": ("status", "registers.status_i")},
     **{"sensed": ("status", "array.status_o"), "told": ("link_status", "link.status_o")},
+    "change": ("change", "sender.in_i"),
     **{"decision": ("decision", "link.decision_i"), "cop": ("cop", "link.cop_i")},
 }
 
@@ -115,7 +117,7 @@ WIRES = {
     "link": [
         ("link.bus_{}_o", "registers.bus_{}_i", "valid write address wdata strobe"),
         ("registers.bus_{}_o", "link.bus_{}_i", "done error rdata"),
-        ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected"),
+        ("told.{}", "status.link_{}", "packets cop_dropped image_dropped rejected changes_lost"),
         ("link.now_o", "now"),
         ("bus_{}_i", "link.host_{}_i", "valid write address wdata strobe"),
         ("link.host_{}_o", "bus_{}_o", "done error rdata"),
@@ -130,8 +132,14 @@ WIRES = {
         ("slip.in_ready_o", "acquire.out_ready_i"),
         ("acquire.out_{}_o", "slip.in_{}_i", "data id last"),
         ("acquire.convert_o", "sender.convert_i"),
-        ("slip.out_{}_o", "sender.in_{}_i", "valid raised state p2p"),
-        ("sender.in_ready_o", "slip.out_ready_i"),
+        ("slip.out_valid_o", "changes.in_valid_i"),
+        ("changes.in_ready_o", "slip.out_ready_i"),
+        ("changes.out_valid_o", "sender.in_valid_i"),
+        ("changes.out_o", "sender.in_i"),
+        ("sender.in_ready_o", "changes.out_ready_i"),
+        ("sender.room_o", "changes.room_i"),
+        ("slip.out_raised_o", "change.start"),
+        ("slip.out_{}_o", "change.{}", "state p2p"),
         ("sender.out_{}_o", "cobs.in_{}_i", "begin valid data last"),
         ("cobs.in_ready_o", "sender.out_ready_i"),
         ("cobs.out_{}_o", "uart.in_{}_i", "valid data"),
@@ -169,21 +177,28 @@ GLUE = {
     "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("chain.offered")},
 }
 
-# The group of an instance with a port cfg_<setting>_i, or with the struct cfg_i of its group; "": of all groups.
-GROUP_OF = {
-    **dict.fromkeys("u_registers u_sensor u_channels u_forces".split(), ""),
-    **dict.fromkeys("u_acquire u_adc_spi".split(), "adc"),
-    **dict.fromkeys("u_slip u_slip_path".split(), "slip"),
-    **dict.fromkeys("u_scan_adc u_scan u_plan".split(), "scan"),
-    **dict.fromkeys("u_health u_taxel".split(), "health"),
-    **dict.fromkeys("u_calibrate u_table".split(), "calibrate"),
-    **dict.fromkeys("u_cop u_divide".split(), "cop"),
-    **dict.fromkeys("u_actuate u_grip u_finger_health u_pwm".split(), "grip"),
-    **dict.fromkeys("u_shear_speeds u_shear_speed".split(), "shear_speed"),
-    **{"u_tare": "tare", "u_cop4": "cop4", "u_cop_slip": "cop_slip"},
+# The group of an instance with a port cfg_<setting>_i, or with the struct cfg_i of its group; "core": of all.
+INSTANCES = {
+    "core": "u_registers u_sensor u_channels u_forces",
+    "adc": "u_acquire u_adc_spi",
+    "slip": "u_slip u_slip_path",
+    "scan": "u_scan_adc u_scan u_plan",
+    "health": "u_health u_taxel",
+    "tare": "u_tare",
+    "calibrate": "u_calibrate u_table",
+    "cop": "u_cop u_divide",
+    "cop4": "u_cop4",
+    "cop_slip": "u_cop_slip",
+    "grip": "u_actuate u_grip u_finger_health u_pwm",
+    "shear_speed": "u_shear_speeds u_shear_speed",
+    "link": "u_link",
 }
+GROUP_OF = {instance: group for group, instances in INSTANCES.items() for instance in instances.split()}
 # Ports with another name than their setting.
 NAMED = {f"u_{one}.cfg_scale_i": f"cop4.{k}.value" for one, k in (("x", "kx"), ("y", "ky"), ("load", "kf"))}
+NAMED["u_changes.cfg_events_i"] = [
+    f"link.events.{state}" for state in ("none", "contact", "incipient", "gross", "release")
+]
 NAMED["u_cop4.cfg_p_i"] = [f"cop4.p{n}.value" for n in range(6)]  # p0 lowest
 # Blocks that use the struct's members themselves, and settings that glue uses: other tests show their effect.
 READERS = ("u_health", "u_tare", "u_calibrate")
@@ -201,8 +216,8 @@ def below(handle, path=()):
 
 
 def consumers(dut):
-    """[(port, lowest bit, bits, setting, whether it is used there)] of every place in the core where a setting
-    arrives, "group.register.field"; AssertionError for a port that none of the tables above knows."""
+    """[(port, lowest bit, bits, setting, whether it is used there)] of every place in the core where a
+    setting arrives, "group.register.field"; AssertionError for a port that none of the tables above knows."""
     found = []
     for path, port in below(dut):
         names = [name for name in path if name.startswith("u_")]
@@ -212,11 +227,12 @@ def consumers(dut):
         assert end in NAMED or names[-1] in GROUP_OF, f"{end} is in no table of core/wires.py"
         group = GROUP_OF.get(names[-1])
         if port._name in ("cfg_i", "cfg_o"):
-            places = members.PLACES[f"{group}_cfg" if group else "cfg"]
+            every = group == "core"
+            places = members.PLACES["cfg" if every else f"{group}_cfg"]
             assert len(port) == sum(bits for _, bits in places.values()), end
             for of, register, field in settings():
-                if group in ("", of.name):
-                    name = f"{of.name}_" * (not group) + members.member(register.name, field.name)
+                if every or group == of.name:
+                    name = f"{of.name}_" * every + members.member(register.name, field.name)
                     setting = f"{of.name}.{register.name}.{field.name}"
                     found.append((port, *places[name], setting, names[-1] in READERS))
         else:

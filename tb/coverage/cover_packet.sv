@@ -14,6 +14,7 @@ module cover_packet #(
   input logic       upper,
   input logic       slip_valid,
   input logic       answer_valid,
+  input logic       states_valid,
   input logic       cop_valid,
   input logic       health_valid,
   input logic       statistic_valid,
@@ -24,19 +25,20 @@ module cover_packet #(
   input logic       cop_take,
   input logic       health_valid_i,
   input logic       answer_valid_i,
+  input logic       states_i,
   input logic       image_valid_i,
   input logic       out_valid_o,
   input logic       out_ready_i,
   input logic       out_last_o
 );
-  logic [5:0] waits, comes;  // highest priority in bit 0
-  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, answer_valid, slip_valid};
-  assign comes = {image_valid_i, 1'b0, health_valid_i, cop_valid_i, answer_valid_i, slip_valid_i};
-  for (genvar first = 0; first < 6; first++) begin : gen_first
+  logic [6:0] waits, comes;  // highest priority in bit 0
+  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, states_valid, answer_valid, slip_valid};
+  assign comes = {image_valid_i, 1'b0, health_valid_i, cop_valid_i, states_i, answer_valid_i, slip_valid_i};
+  for (genvar first = 0; first < 7; first++) begin : gen_first
     logic wins;
-    assign wins = !rst_i && idle && waits[first] && !(|(waits & 6'((1 << first) - 1)));
-    `BIN(alone, wins && waits == 6'(1 << first))
-    for (genvar second = first + 1; second < 6; second++) begin : gen_second
+    assign wins = !rst_i && idle && waits[first] && !(|(waits & 7'((1 << first) - 1)));
+    `BIN(alone, wins && waits == 7'(1 << first))
+    for (genvar second = first + 1; second < 7; second++) begin : gen_second
       `BIN(passed_over, wins && waits[second])
     end
   end
@@ -47,8 +49,8 @@ module cover_packet #(
     `BIN(cleared, rst_i && state == 2'(s))
     `BIN(overwritten, here && cop_valid_i && cop_valid && !cop_take)
     `BIN(full, here && slip_valid_i && !slip_ready_o && SlipDepth > 0)
-    for (genvar source = 0; source < 6; source++) begin : gen_source
-      if (source != 4) begin : gen_outside  // statistics arise inside
+    for (genvar source = 0; source < 7; source++) begin : gen_source
+      if (source != 5) begin : gen_outside  // statistics arise inside
         `BIN(comes_in, here && comes[source])
       end
       `BIN(waiting, here && waits[source])

@@ -363,8 +363,8 @@ def formula(see):
 
 
 def promised(see):
-    """What the header promises for the default size, over 1/n from 0 to its greatest value; float64 is exact to
-    1e-13. At the least n more than 0.001 occurs, so the promise may not be a constant of the published n."""
+    """What the header promises for the default size, over 1/n from 0 to its greatest value; float64 is exact
+    to 1e-13. At the least n more than 0.001 occurs: the promise may not be a constant of the published n."""
     text = (toolchain.ROOT / "rtl/slip/msn_shear_speed.sv").read_text("utf-8")
     promise = re.search(r"Error: at most (\S+) \+ (\S+) / n of v and 1/2 LSB at the default size", text)
     size, (fixed, slope) = shear_speed.ShearSize(), map(float, promise.groups())

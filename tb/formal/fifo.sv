@@ -14,7 +14,7 @@ module formal_fifo #(
   input logic                 out_ready_i
 );
 
-  logic             in_ready_o, out_valid_o;
+  logic             in_ready_o, out_valid_o, half_o;
   logic [Width-1:0] out_data_o;
   msn_fifo #(.Depth(Depth), .Width(Width)) dut (.*);
 
@@ -41,6 +41,7 @@ module formal_fifo #(
   always_comb begin
     if (started) begin
       assert (stored <= (PlaceBits + 1)'(Depth) && dut.full == (stored == (PlaceBits + 1)'(Depth)));
+      assert (half_o == (stored >= (PlaceBits + 1)'(Depth / 2)));
       // Reading a place in the clock in which it is written is undefined.
       if (dut.put && dut.get) assert (dut.written[PlaceBits-1:0] != dut.read[PlaceBits-1:0]);
       assert (level == CountBits'(stored) + CountBits'(dut.fetched_valid) + CountBits'(dut.out_valid_o));

@@ -7,6 +7,8 @@
 
 module formal_packet #(
   parameter  int unsigned SlipDepth     = 64,
+  parameter  int unsigned States        = 0,
+  parameter  int unsigned FirstState    = 0,
   parameter  bit          Cop           = 1'b1,
   parameter  bit          Health        = 1'b1,
   parameter  bit          Answers       = 1'b1,
@@ -14,7 +16,8 @@ module formal_packet #(
   parameter  int unsigned StatisticBits = 20,
   parameter  int unsigned Taxels        = 4096,
   parameter  int unsigned Chunk         = 64,
-  localparam int unsigned Counters      = (Statistics > 0) ? Statistics : 1
+  localparam int unsigned Counters      = (Statistics > 0) ? Statistics : 1,
+  localparam int unsigned StateBits     = msn_pkg::index_width(States)
 ) (
   input logic                   clk_i,
   input logic                   rst_i,
@@ -22,6 +25,9 @@ module formal_packet #(
   input logic                   slip_valid_i,
   input logic [15:0]            slip_id_i,
   input msn_pkg::slip_state_e   slip_state_i,
+  input msn_pkg::slip_state_e   slip_told_i,
+  input logic                   slip_start_i,
+  input logic                   slip_late_i,
   input logic [23:0]            slip_p2p_i,
   input logic [47:0]            slip_time_i,
   input logic                   cop_valid_i,
@@ -33,6 +39,8 @@ module formal_packet #(
   input logic                   health_valid_i,
   input logic [23:0]            health_id_i,
   input logic [7:0]             health_faults_i,
+  input logic                   states_i,
+  input msn_pkg::slip_state_e   states_state_i,
   input logic                   answer_valid_i,
   input logic [63:0]            answer_data_i,
   input logic [Counters*32-1:0] statistics_i,
@@ -43,30 +51,35 @@ module formal_packet #(
   input logic                   out_ready_i
 );
 
-  msn_pkg::decision_t slip_i;
+  msn_pkg::change_t   slip_i;
   msn_pkg::cop_t      cop_i;
   msn_pkg::health_t   health_i;
-  assign slip_i   = {2'b00, slip_state_i, slip_p2p_i, slip_id_i};
+  assign slip_i   = {slip_start_i, slip_late_i, slip_told_i, slip_state_i, slip_p2p_i, slip_id_i};
   assign cop_i    = {cop_x_i, cop_y_i, cop_load_i, cop_pressed_i};
   assign health_i = {health_id_i, health_faults_i};
 
-  logic        slip_ready_o, health_ready_o, answer_ready_o, out_begin_o, out_valid_o, out_last_o;
+  logic        slip_ready_o, slip_room_o;
+  logic [StateBits-1:0] states_id_o;
+  logic        health_ready_o, answer_ready_o, out_begin_o, out_valid_o, out_last_o;
   logic [7:0]  out_data_o;
   logic [31:0] packets_o, cop_dropped_o, image_dropped_o;
   msn_packet #(
-    .SlipDepth(SlipDepth), .Cop(Cop), .Health(Health), .Answers(Answers), .Statistics(Statistics),
+    .SlipDepth(SlipDepth), .States(States), .FirstState(FirstState), .Cop(Cop), .Health(Health), .Answers(Answers), .Statistics(Statistics),
     .StatisticBits(StatisticBits), .Taxels(Taxels), .Chunk(Chunk)
   ) dut (.*);
 
   typedef enum logic [2:0] {
-    Slip, Answer, CopResult, HealthReport, Statistic, Image
+    Slip, Answer, StateReport, CopResult, HealthReport, Statistic, Image
   } source_e;
-  localparam logic [5:0] First = 6'd1;
+  localparam logic [6:0] First = 7'd1;
 
   // The waiting sources, each with its payload, its length and its time.
   logic         started = 1'b0;
   logic         run;       // a packet has been chosen, and not all its bytes have left
-  logic [5:0]   waits, turn;
+  logic [6:0]   waits, turn;
+  logic         yields;    // the last packet was a change, so the others go first once
+  logic [4:0]   others;
+  logic [2:0]   changes;   // since an image's packet, at most 7
   logic         cop_waits, health_waits, statistic_waits, idle;
   logic [88:0]  cop;
   logic [47:0]  cop_time, health_time;
@@ -75,16 +88,22 @@ module formal_packet #(
   logic [StatisticBits-1:0] pause;
   logic [16:0]  place, place_end;  // in the image; after this packet
   logic [47:0]  slip_time, image_time;
-  logic [42:0]  slip_event;
+  logic [47:0]  slip_event;
+  logic         slip_start;
   assign place_end = (32'(place) + Chunk >= Taxels) ? 17'(Taxels) : place + 17'(Chunk);
   if (SlipDepth > 0) begin : gen_slip
-    assign {slip_event, slip_time} = dut.gen_slip.event_data;
+    msn_pkg::change_t change;
+    assign {change, slip_time} = {dut.gen_slip.change, dut.gen_slip.change_time};
+    assign slip_start = change.start;
+    assign slip_event = {change.start ? 5'd0 : {change.late, change.told, 1'b0}, change.state, change.p2p, change.id};
   end else begin : gen_no_slip
-    assign {slip_event, slip_time} = '0;
+    assign {slip_event, slip_time, slip_start} = '0;
   end
   assign idle  = !run && !out_valid_o;
   assign waits = {Taxels > 0 && dut.image_valid, Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
-                  Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid};
+                  States > 0 && dut.states_valid, Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid && (slip_start || !((yields && others != '0) || (changes == 3'd7 && Taxels > 0 && dut.image_valid)))};
+  assign others = {Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
+                   States > 0 && dut.states_valid, Answers && answer_valid_i};
   always_ff @(posedge clk_i) begin
     cop_waits       <= cop_valid_i || (cop_waits && !turn[CopResult]);
     cop_dropped     <= cop_dropped + 32'(Cop && cop_valid_i && cop_waits && !turn[CopResult]);
@@ -92,6 +111,9 @@ module formal_packet #(
     statistic_waits <= pause == '1 || (statistic_waits && !turn[Statistic]);
     pause           <= pause + 1'b1;
     counter         <= statistics_i[32*(32'(which)%Counters)+:32];
+    if (turn[Slip] ? !slip_start : turn != '0) yields <= turn[Slip];
+    if (turn[Image]) changes <= '0;
+    else if (turn[Slip] && !slip_start && changes != 3'd7) changes <= changes + 1'b1;
     if (cop_valid_i) {cop, cop_time} <= {cop_pressed_i, cop_load_i, cop_y_i, cop_x_i, cop_time_i};
     if (!health_waits) {health, health_time} <= {health_faults_i, health_id_i, now_i};
     if (turn[Statistic]) which <= (32'(which) == Statistics - 1) ? '0 : which + 1'b1;
@@ -101,6 +123,8 @@ module formal_packet #(
       health_waits    <= 1'b0;
       statistic_waits <= 1'b0;
       pause           <= '0;
+      yields          <= 1'b0;
+      changes         <= '0;
       which           <= '0;
     end
   end
@@ -118,17 +142,18 @@ module formal_packet #(
   logic [159:0] rest;
   always_comb begin
     record = '0;
-    for (int unsigned s = 0; s < 6; s++) if (turn[s]) begin
+    for (int unsigned s = 0; s < 7; s++) if (turn[s]) begin
       case (source_e'(s))
-        Slip:         record = 160'({slip_event, slip_time, packets[7:0], 8'd1});
+        Slip:         record = 160'({slip_event, slip_time, packets[7:0], slip_start ? 8'd1 : 8'd6});
         Answer:       record = 160'({answer_data_i, now_i, packets[7:0], 8'd16});
+        StateReport:  record = 160'({dut.states[91:60], now_i, packets[7:0], 8'd7});
         CopResult:    record = 160'({cop, cop_time, packets[7:0], 8'd2});
         HealthReport: record = 160'({health, health_time, packets[7:0], 8'd4});
         Statistic:    record = 160'({counter, which, now_i, packets[7:0], 8'd5});
         default:      record = 160'({24'(place), 7'd0, 32'(place_end) == Taxels, image_number, image_time, packets[7:0], 8'd3});
       endcase
     end
-    record_bytes = 9'd8 + (turn[Slip] ? 9'd6 : turn[Answer] ? 9'd8 : turn[CopResult] ? 9'd12 : turn[HealthReport] ? 9'd4 : 9'd5);
+    record_bytes = 9'd8 + (turn[Slip] ? 9'd6 : turn[Answer] ? 9'd8 : turn[CopResult] ? 9'd12 : (turn[HealthReport] || turn[StateReport]) ? 9'd4 : 9'd5);
     taxel_bytes  = turn[Image] ? 9'({place_end - place, 1'b0}) : '0;
     byte_out     = (sent < first) ? rest[7:0] : (sent >= second) ? ~crc[7:0] : odd ? dut.taxel[15:8] : dut.taxel[7:0];
     crc_next     = crc;
@@ -177,10 +202,10 @@ module formal_packet #(
     if (!started) assume (rst_i);
     if (started) begin
       assert (out_valid_o == valid && (!valid || (out_data_o == data && out_last_o == last)));
-      assert (out_begin_o == (run || waits[0]));
+      assert (out_begin_o == (run || (SlipDepth > 0 && dut.slip_valid)) && dut.yields == yields && dut.changes == changes);
       assert (packets_o == packets && (!Cop || cop_dropped_o == cop_dropped));
       assert (answer_ready_o == turn[Answer] && health_ready_o == (Health && !health_waits));
-      assert (dut.slip_take == turn[Slip]);
+      assert (dut.slip_take == turn[Slip] && States == 0);  // the report: tests
     end
   end
 

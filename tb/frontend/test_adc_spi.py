@@ -264,8 +264,8 @@ async def counts_over_the_whole_width(dut):
 @bench.applies(bench.whole)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def counts_on_from_any_value(dut):
-    """Frames that nobody takes; ticks without a pause; a BUSY that never rises, or rises and falls; answers with
-    the wrong channel's number."""
+    """Frames that nobody takes; ticks without a pause; a BUSY that never rises, or rises and falls; answers
+    with the wrong channel's number."""
     part, often = PARTS[dut.Part.value.to_unsigned()], {"span": 20_000}
     inputs = {"cfg_period_i": 1, "trigger_i": 1, "adc_busy_i": 0, "out_ready_i": 0}
     await bench.start(dut, cfg_enable_i=1, adc_miso_i=(1 << len(dut.adc_miso_i)) - 1, **inputs)
@@ -873,5 +873,5 @@ def test_half_a_bit_by_hand(part, clk_khz, half):
     "clk_khz, clocks", [(4_000, 64), (12_000, 128), (25_000, 256), (48_000, 512), (100_000, 1024)]
 )
 def test_busy_is_waited_for_as_long_as_the_page_says(clk_khz, clocks):
-    """docs/adc.md: the smallest power of two that lasts 8.4 µs, which is 33.6, 100.8, 210, 403.2 and 840 clocks."""
+    """docs/adc.md: the smallest power of two that lasts 8.4 µs, here 33.6, 100.8, 210, 403.2, 840 clocks."""
     assert AdcSpi(AD7606, clk_khz=clk_khz).watch_clocks == clocks

@@ -121,8 +121,8 @@ async def room_falls_around_a_switch(dut):
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_setting_is_in_force_from_the_clock_after_on(dut):
     """Settle, period or both changed in a clock around the start of the second frame: a change up to the
-    clock before it counts, a later one for the third. Triggers of settle 5 and 0 after the last one at 167 are
-    20 clocks apart: switches at 167 + 14 and 167 + 19."""
+    clock before it counts, a later one for the third. Triggers of settle 5 and 0 after the last one at 167
+    are 20 clocks apart: switches at 167 + 14 and 167 + 19."""
     await begin(dut)
 
     async def starts(before, *changes, clocks=700):

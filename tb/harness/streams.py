@@ -152,8 +152,9 @@ async def turn_over(
 
     Runs before any reset, when registers start as ones and so do the counters (a counter that this build
     lacks reads 0): in each clock a counter grows by at most ``most``, whatever the inputs, and if ``wraps``,
-    it must leave its greatest value within ``span`` clocks; and ``again`` each value of ``carries``, unless its
-    events do not recur: then another test uses ``counts_on``. With random initial values it counts from there. Must be the first test of all (``stage=-1``), declared ``starts_known``. ``wiggled``:
+    it must leave its greatest value within ``span`` clocks; and ``again`` each value of ``carries``, unless
+    its events do not recur: then another test uses ``counts_on``. With random initial values it counts from
+    there. Must be the first test of all (``stage=-1``), declared ``starts_known``. ``wiggled``:
     inputs driven at random; ``inputs``: values of other inputs; ``beside``: register outputs of which only
     the initial value is checked; ``still``: counters that need not wrap, as their events may not occur, but
     are checked otherwise.
@@ -191,8 +192,9 @@ async def turn_over(
 
 
 async def counts_on(dut, *counters, most=1, span=400, wiggled=(), strobe=None, **inputs):
-    """Put each of ``carries`` into each counter: with these inputs it must count on from there within ``span``
-    clocks, by at most ``most`` in a clock. ``strobe``: the block's register that makes it count, set each time."""
+    """Put each of ``carries`` into each counter: with these inputs it must count on from there within
+    ``span`` clocks, by at most ``most`` in a clock. ``strobe``: the block's register that makes it count, set
+    each time."""
     draw = random.Random(SEED)
     for name, value in inputs.items():
         getattr(dut, name).value = value

@@ -8,6 +8,14 @@ static void show(const struct msn_packet *p) {
   printf("%u %u %" PRIu64, p->type, p->number, p->time);
   switch (p->type) {
     case MSN_SLIP: printf(" %u %" PRIu32 " %u", p->is.slip.channel, p->is.slip.p2p, p->is.slip.state); break;
+    case MSN_CHANGE:
+      printf(" %u %" PRIu32 " %u %u %u", p->is.change.channel, p->is.change.p2p, p->is.change.state,
+             p->is.change.told, p->is.change.late);
+      break;
+    case MSN_STATES:
+      printf(" %u %u", p->is.states.first, p->is.states.left);
+      for (size_t i = 0; i < p->is.states.count; i++) printf(" %u", msn_state(p, i));
+      break;
     case MSN_COP:
       printf(" %" PRId32 " %" PRId32 " %" PRIu64 " %u", p->is.cop.x, p->is.cop.y, p->is.cop.load,
              p->is.cop.pressed);

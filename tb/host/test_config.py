@@ -147,14 +147,12 @@ def test_what_was_written_in_builds_is_refused_with_the_new_key(base, unit, key)
 
 def test_the_other_tables_of_scenes_have_the_builds_keys():
     for name, path, old, new in (
-        ("cop_slip", "cop_slip", "lag_s", "lag_ms"),
-        ("cop_slip", "", "slip", r"\[cop_slip\]"),
         ("grip_pour", "grip", "silent_s", "silent_ms"),
         ("grip_pour", "slip", "threshold_share", "threshold_p2p_share"),
         ("fsr_3x3", "array", "min_load_n", r"\[cop\] min_load_n"),
     ):
         table = tomllib.loads(scenes.source(name))
-        (table[path] if path else table)[old] = 0.008
+        table[path][old] = 0.008
         with pytest.raises(ValueError, match=f"{old} = 0.008 is now written {new}"):
             scenes.build("x", table)
 

@@ -17,7 +17,7 @@ from meissner import engines, host
 from meissner.builds import units
 from meissner.builds.toolchain import ROOT
 from meissner.host import line, log, packets
-from meissner.host.replay import differences, replay
+from meissner.host.replay import changes, differences, replay
 from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import packet as p
 
@@ -37,6 +37,8 @@ def items():
         for part in p.image_chunks(k, frame.ravel().tolist(), 5):
             yield at, p.IMAGE, part
     yield 4500, p.SLIP, p.slip_event(65535, (1 << 24) - 1, 3)
+    yield 4510, p.CHANGE, p.state_change(7, 0x30201, 4, 3, True)
+    yield 4520, p.STATES, p.states([1, 0, 3])[0]
     yield 4600, p.HEALTH, p.health((1 << 24) - 1, 255)
     yield 4700, p.STATISTIC, p.statistic(255, (1 << 32) - 1)
 
@@ -67,7 +69,7 @@ GAP = packets.Gap("the cable was out", 1.5)
 @pytest.mark.parametrize("kind", ["npz", "mcap"])
 def test_everything_is_in_the_log(tmp_path, kind):
     kept = logged(tmp_path / f"a.{kind}", units.Units(newtons_per_code=0.25), [GAP])
-    assert len(kept) == 11
+    assert len(kept) == 13
     found = log.read(tmp_path / f"a.{kind}")
     cop = engines.process_cop(FRAMES, "fixed")
     assert np.array_equal(found["image"], FRAMES) and found["image"].dtype == np.uint16
@@ -76,12 +78,17 @@ def test_everything_is_in_the_log(tmp_path, kind):
     for name, own in (("x", "x"), ("y", "y"), ("load", "sum"), ("pressed", "valid")):
         assert np.array_equal(found[f"cop_{name}"], cop[own][:3])
     one = {
-        name: found[name].tolist() for name in found if name.split("_")[0] in ("slip", "health", "statistics")
+        name: found[name].tolist()
+        for name in found
+        if name.split("_")[0] in ("slip", "change", "state", "health", "statistics") and "_ns" not in name
     }
-    for name in ("slip_ns", "health_ns", "statistics_ns"):
-        del one[name]
     assert one == {
         **{"slip_time": [4500], "slip_channel": [65535], "slip_state": [3], "slip_p2p": [(1 << 24) - 1]},
+        # All changes, and the start of a slip among them: from contact, never late.
+        **{"change_time": [4500, 4510], "change_channel": [65535, 7], "change_state": [3, 4]},
+        **{"change_before": [1, 3], "change_p2p": [(1 << 24) - 1, 0x30201], "change_late": [False, True]},
+        **{"change_start": [True, False]},
+        **{"state_time": [4520] * 3, "state_channel": [0, 1, 2], "state_state": [1, 0, 3]},
         **{"health_time": [4600], "health_taxel": [(1 << 24) - 1], "health_faults": [255]},
         **{"statistics_time": [4700], "statistics_index": [255], "statistics_value": [(1 << 32) - 1]},
     }
@@ -93,6 +100,16 @@ def test_everything_is_in_the_log(tmp_path, kind):
     assert np.array_equal(np.diff(found["cop_ns"]), [10**6, 10**6])
     start = int(found["start_ns"]) - 1000 * int(found["start_time"])
     assert list(found["slip_ns"]) == [start + 4500 * 1000]
+
+
+def test_missing_changes_are_counted_by_hand():
+    """Channel 3 goes 0, 1, 2 and, what led there is missing, 4 from 1; channel 5 is first heard of in state
+    1, and after a reset begins again."""
+    columns = {"channel": [3, 5, 3, 3, 5, 5], "before": [0, 1, 1, 1, 2, 0], "state": [1, 2, 2, 4, 1, 1]}
+    columns["ns"] = [1, 2, 3, 4, 5, 9]
+    found = {f"change_{name}": np.array(values) for name, values in columns.items()}
+    assert changes(found | {"reset_ns": np.array([7])}) == (6, 1)
+    assert changes(found | {"reset_ns": np.array([], int)}) == (6, 2)
 
 
 def test_mcap_holds_ros_messages(tmp_path):
@@ -108,6 +125,8 @@ def test_mcap_holds_ros_messages(tmp_path):
         "/tactile/cop": "geometry_msgs/msg/PointStamped",
         "/tactile/load": "std_msgs/msg/Float64",
         "/tactile/slip": "std_msgs/msg/Int64MultiArray",
+        "/tactile/state": "std_msgs/msg/Int64MultiArray",
+        "/tactile/states": "std_msgs/msg/Int64MultiArray",
         "/tactile/health": "std_msgs/msg/Int64MultiArray",
         "/tactile/statistics": "std_msgs/msg/Int64MultiArray",
         "/tactile/gap": "std_msgs/msg/String",
@@ -126,6 +145,13 @@ def test_mcap_holds_ros_messages(tmp_path):
     image = [m for m in of["/tactile/frame"] if m.rows][1]
     assert (image.ticks, image.rows, image.columns, image.has_cop) == (2000, 3, 4, False)
     assert list(image.taxels) == FRAMES[1].ravel().tolist()
+    states = of["/tactile/state"]
+    assert states[0].layout.dim[0].label == "ticks,channel,state,before,p2p,late,start"
+    assert [list(one.data) for one in states] == [
+        [4500, 65535, 3, 1, (1 << 24) - 1, 0, 1],
+        [4510, 7, 4, 3, 0x30201, 1, 0],
+    ]
+    assert [list(one.data) for one in of["/tactile/states"]] == [[4520, 0, 1, 0, 3]]
     slip = of["/tactile/slip"][0]
     assert slip.layout.dim[0].label == "ticks,channel,state,p2p" and list(slip.data) == [
         4500,

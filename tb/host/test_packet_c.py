@@ -2,6 +2,7 @@
 known type and unknown ones, every payload length; complete, mutated, cut and random streams. Built with all
 warnings as errors, and with the sanitizers where available, so that a read outside a frame fails."""
 
+import struct
 import subprocess
 import zlib
 
@@ -45,13 +46,18 @@ def expected(line):
 
 def frames(rng, count):
     """Frames of packets of every type and payload length, valid and invalid."""
-    lengths = {p.SLIP: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}
+    lengths = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}
     for number in range(count):
-        kind = int(rng.choice([p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC, p.ANSWER, 0, 77]))
+        kind = int(rng.choice([*p.KNOWN, 0, 77]))
+        lengths[p.STATES] = 4 + 2 * int(rng.integers(1, 33))
         length = lengths.get(kind, int(rng.integers(0, 242)))
         if rng.random() < 0.2:
             length = int(rng.integers(0, 242))
         payload = rng.choice([0, 1, 255, *rng.integers(0, 256, 5)], length).astype(np.uint8).tobytes()
+        if kind == p.STATES and rng.random() < 0.8:  # often as many channels as the length says, or one more
+            payload = (
+                payload[:2] + struct.pack("<H", max(0, 2 * length - 8) + int(rng.integers(2))) + payload[4:]
+            )
         yield encode(p.packet(kind, number * int(rng.integers(1, 3)), int(rng.integers(0, 1 << 48)), payload))
 
 
@@ -74,7 +80,20 @@ def test_whole_packets(decode_c):
     line = b"".join(frames(np.random.default_rng(1), 2000))
     lines = expected(line)
     assert decode_c(line) == lines
-    assert len(lines) > 1000 and len({text.split()[0] for text in lines}) == 9
+    assert len(lines) > 1000 and len({text.split()[0] for text in lines}) == 11
+
+
+def test_states_of_every_number_of_channels(decode_c):
+    """1 to 300 channels left; a word too few and one too many are no packet."""
+    packets = []
+    for left in range(1, 301):
+        payload = p.states([k % 5 for k in range(left)], 0)[0]
+        packets += [p.packet(p.STATES, 0, 0, part) for part in (payload, payload[:-2], payload + b"ab")]
+    line = b"".join(map(encode, packets))
+    lines = expected(line)
+    assert decode_c(line) == lines
+    assert len(lines) == 301 and lines[-1].startswith("damaged 600 ")
+    assert lines[4] == "7 0 0 0 5 0 1 2 3 4"
 
 
 def test_ends_of_signed_numbers(decode_c):

@@ -19,6 +19,8 @@ def payloads(rng):
     yield p.COP, p.cop_frame(wide(24) - (1 << 23), -wide(14), wide(40), wide(1))
     yield p.HEALTH, p.health(wide(24), wide(8))
     yield p.STATISTIC, p.statistic(wide(8), wide(32))
+    yield p.CHANGE, p.state_change(wide(16), wide(24), wide(3), wide(3), wide(1))
+    yield p.STATES, p.states([wide(3) for _ in range(1 + wide(6))])[0]
     yield p.ANSWER, bytes(rng.bytes(8))
     for payload in p.image_chunks(wide(8), rng.integers(0, 1 << 16, 150).tolist(), 64):
         yield p.IMAGE, payload
@@ -47,23 +49,25 @@ def test_all_types_there_and_back_in_any_pieces():
     got = [q for part in np.split(np.frombuffer(line, np.uint8), cuts) for q in decoder.next(part.tobytes())]
     assert bytes_of(got) == packets
     assert (decoder.damaged, decoder.missed) == (0, 0)
-    first = got[:8]
+    first = got[:10]
     assert first[0].fields.keys() == {"channel", "p2p", "state"}
     assert p.slip_event(**first[0].fields) == first[0].payload
     assert p.cop_frame(**first[1].fields) == first[1].payload
     assert p.health(**first[2].fields) == first[2].payload
     assert p.statistic(**first[3].fields) == first[3].payload
+    assert p.state_change(**first[4].fields) == first[4].payload
+    assert p.states(first[5].fields["states"]) == [first[5].payload]
     images = [q.fields for q in first if q.kind == p.IMAGE]
     assert [i["first"] for i in images] == [0, 64, 128]
     assert [i["last"] for i in images] == [False, False, True]
     assert [len(i["taxels"]) for i in images] == [64, 64, 22]
-    assert got[8].fields == {}
+    assert got[10].fields == {}
 
 
 def test_payload_of_another_length_is_no_packet():
-    for kind in (p.SLIP, p.COP, p.HEALTH, p.STATISTIC, p.ANSWER, p.IMAGE):
+    for kind in p.KNOWN:
         for length in (0, 1, 2, 3, 6, 10, 14):
-            if (kind, length) != (p.SLIP, 6):
+            if (kind, length) not in ((p.SLIP, 6), (p.CHANGE, 6)):
                 decoder = Decoder()
                 assert decoder.next(encode(p.packet(kind, 0, 0, bytes(length)))) == []
                 assert decoder.damaged == 1

@@ -15,14 +15,17 @@ from link import test_packet as packet
 from link.test_bridge import Registers
 from meissner.twins.link import packet as p
 from meissner.twins.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, command
+from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.link import line_of, packets_of
 from meissner.twins.link.uart import levels
 
+ALL = {f"events_{state}": -1 for state in ("none", "contact", "incipient", "gross", "release")}
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
 TIME = 0xFEDC_BA98_7654
 BUS = {"valid": 1, "write": 1, "address": 12, "wdata": 32, "strobe": 4}
 # The counters in statistics, by docs/link.md: of a core with a converter, and of one with an array.
 REST = ("slip_damaged", "slip_blanked", "cop_damaged", "link_image_dropped", "link_rejected")
+REST += ("link_changes_lost",)
 COUNTERS = (
     ("adc_dropped", "adc_overrun", "adc_timeout", *REST),
     ("scan_dropped", "scan_overrun", "scan_lost", *REST),
@@ -42,7 +45,7 @@ def has_line(dut):
 
 
 def parameters(dut):
-    return packet.parameters(dut) | {"Statistics": 8}
+    return packet.parameters(dut) | {"Statistics": 9}
 
 
 def told(dut):
@@ -51,7 +54,7 @@ def told(dut):
 
 async def begin(dut, rates, ready=lambda: True):
     """The bench of msn_packet's test, without register accesses."""
-    names = "status convert decision_valid decision bus_done bus_error bus_rdata"
+    names = "status cfg convert decision_valid decision bus_done bus_error bus_rdata"
     rest = {f"{name}_i": 0 for name in (*names.split(), *(f"host_{name}" for name in BUS))}
     test, sources, _ = await packet.begin(
         dut, np.random.default_rng(bench.SEED), rates, ready, rx_i=1, time_i=TIME, **rest
@@ -60,6 +63,7 @@ async def begin(dut, rates, ready=lambda: True):
     counters = {name: 0x0101_0101 * (3 + 7 * place) for place, name in enumerate(names)}
     others = dict.fromkeys(("adc_mistagged", "adc_over_range", "scan_held", "tare_swallowed"), 0x55)
     dut.status_i.value = members.word("status", counters | others)
+    dut.cfg_i.value = members.word("link_cfg", ALL)
     return test, sources, list(counters.values())
 
 
@@ -205,11 +209,12 @@ async def first_edge_of_an_event(dut):
             if clock == 0:
                 dut.decision_valid_i.value = 0
         assert line.index(0) == 4
-        expected = line_of([p.packet(p.SLIP, count, *slip.sent[0])], CLK, BAUD)
+        ((time, kind, payload),) = slip.sent
+        expected = line_of([p.packet(kind, count, time, payload)], CLK, BAUD)
         assert line[4 : 4 + len(expected)] == expected
 
 
-@bench.applies(lambda dut: not number(dut, "Uart"))
+@bench.applies(lambda dut: not number(dut, "Uart") and number(dut, "SlipChannels") == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.7])
 async def without_a_line_packets_are_bytes(dut, rate):
@@ -271,14 +276,13 @@ async def pulse(dut, **inputs):
             getattr(dut, f"{name}_i").value = 0
 
 
-@bench.applies(lambda dut: not number(dut, "Uart"))
+@bench.applies(lambda dut: not number(dut, "Uart") and number(dut, "SlipChannels") == 1)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def an_event_is_raised_and_takes_its_turn(dut):
-    """A decision without a raised event is taken immediately and not sent; an event waits while the queue is
-    full."""
+    """A decision without a change is taken at once and not sent; a start waits while the queue is full."""
     stalled = False
     test, *_ = await begin(dut, {}, lambda: not stalled)
-    dut.decision_valid_i.value, dut.decision_i.value = 1, members.word("decision", {"state": 1, "p2p": 7})
+    dut.decision_valid_i.value, dut.decision_i.value = 1, members.word("decision", {"state": 0, "p2p": 7})
     for _ in range(20):
         await ReadOnly()
         assert dut.decision_ready_o.value == 1
@@ -290,7 +294,7 @@ async def an_event_is_raised_and_takes_its_turn(dut):
         await ReadOnly()
         taken += dut.decision_ready_o.value == 1
         await RisingEdge(dut.clk_i)
-    dut.decision_i.value = members.word("decision", {"state": 1, "p2p": 7})
+    dut.decision_i.value = members.word("decision", {"state": 2, "p2p": 7})
     await ReadOnly()
     assert dut.decision_ready_o.value == 1
     await RisingEdge(dut.clk_i)
@@ -299,6 +303,93 @@ async def an_event_is_raised_and_takes_its_turn(dut):
     await test.run(80 * taken)
     slips = [q.payload for q in test.decoded() if q.kind == p.SLIP]
     assert slips == [bytes.fromhex("0900 070000 02")] * taken
+
+
+async def decide(dut, **word):
+    """Offer a decision for at most 4 clocks; whether it was taken."""
+    dut.decision_valid_i.value, dut.decision_i.value = 1, members.word("decision", word)
+    for _ in range(4):
+        await ReadOnly()
+        taken = dut.decision_ready_o.value == 1
+        await RisingEdge(dut.clk_i)
+        if taken:
+            break
+    dut.decision_valid_i.value = 0
+    return taken
+
+
+@bench.applies(lambda dut: number(dut, "SlipChannels") > 1)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def every_channel_changes_in_one_detail(dut):
+    """On a line that stands still: the queue takes as many changes as half its depth and two, and then none;
+    each of the others comes late with the next detail after there is room, or is counted lost if its channel
+    changes before. Starts of a slip fill the queue to its end, and then hold the decisions up. Then the
+    states of all channels on request."""
+    stalled = True
+    test, *_ = await begin(dut, {}, lambda: not stalled)
+    channels, depth = number(dut, "SlipChannels"), number(dut, "SlipDepth")
+    await bench.clocks(dut, channels + 3)
+
+    async def detail(*states, raised=0, p2p=0x10203, gap=9):
+        for channel, state in enumerate(states):
+            last = channel == len(states) - 1
+            word = {"raised": raised, "last": last, "state": state, "p2p": p2p + channel, "id": channel}
+            if not await decide(dut, **word):
+                return channel
+            await test.run(gap)  # 9: the queue's first entries move on
+        return len(states)
+
+    lost = lambda: told(dut)["changes_lost"]
+    sent = 1 + 2 + depth // 2  # one is being sent, two are in the queue's registers
+    assert channels > sent + 3
+    assert await detail(*[1] * channels) == channels and lost() == 0
+    assert await detail(*[1] * channels) == channels and lost() == 0
+    # Two that had no room change again; one of them back to what the host has.
+    assert await detail(*[1] * (channels - 2), 4, 0) == channels
+    assert lost() == 1 + 2
+    # Starts: the first waits in no case for the line, up to the queue's end.
+    room = depth - depth // 2
+    assert await detail(*[2] * channels, raised=1) == room
+    stalled = False
+    await test.run(2_000)
+    assert await detail(*[2] * room, *[1] * (channels - room - 2), 4, 0, gap=120) == channels
+    got = [q for q in test.decoded() if q.kind in (p.SLIP, p.CHANGE)]
+    change = lambda channel, last: (6, bytes([channel, 0, 3 + channel, 2, 1, last]))
+    start = lambda channel: (1, bytes([channel, 0, 3 + channel, 2, 1, 2]))
+    wanted = [change(channel, 0x01) for channel in range(sent)]
+    wanted += [start(channel) for channel in range(room)]
+    late = [channel for channel in range(channels - 2) if channel >= sent]
+    wanted += [change(channel, 0x81) for channel in late] + [change(channels - 2, 0x84)]
+    assert [(q.kind, q.payload) for q in got] == wanted and {q.time for q in got} == {TIME}
+    assert lost() == 3
+    states = [2] * room + [1] * (channels - room - 2) + [4, 0]
+    dut.cfg_i.value = members.word("link_cfg", ALL | {"states": -1})
+    await RisingEdge(dut.clk_i)
+    dut.cfg_i.value = members.word("link_cfg", ALL)
+    await test.run(2_000)
+    (q,) = [q for q in test.decoded() if q.kind == p.STATES]
+    assert q.payload[:4] == bytes([0, 0, channels, 0])
+    assert [byte >> shift & 15 for byte in q.payload[4:] for shift in (0, 4)][:channels] == states
+    assert len(q.payload) == 4 + 2 * -(-channels // 4)
+
+
+@bench.applies(lambda dut: number(dut, "SlipChannels") > 1)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def each_bit_of_events_is_its_own_states(dut):
+    test, *_ = await begin(dut, {})
+    channels = number(dut, "SlipChannels")
+    names = ("none", "contact", "incipient", "gross", "release")
+    way = [(1, 0), (2, 1), (3, 0), (1, 0), (4, 0), (0, 0)]
+    for alone in range(5):
+        dut.cfg_i.value = members.word("link_cfg", {f"events_{names[alone]}": -1})
+        await bench.reset(dut)
+        await bench.clocks(dut, channels + 3)
+        test.packets.clear()
+        for state, raised in way:
+            assert await decide(dut, raised=raised, last=0, state=state, id=0)
+            await test.run(120)
+        got = [q.payload[5] & 7 for q in test.decoded() if q.kind in (p.SLIP, p.CHANGE)]
+        assert got == [state for state, _ in way if state == alone]
 
 
 @bench.applies(lambda dut: number(dut, "SlipOnly"))
@@ -310,23 +401,34 @@ async def the_small_link_sends_an_event_alone(dut):
     await RisingEdge(dut.clk_i)
     dut.convert_i.value, dut.decision_valid_i.value = 0, 1
     dut.decision_i.value = members.word("decision", {"raised": 1, "last": 1, "state": 2, "p2p": 300})
-    levels = []
-    for _ in range(3000):
-        await ReadOnly()
-        levels.append(bench.read(dut.tx_o))
-        taken = dut.decision_ready_o.value == 1
-        await RisingEdge(dut.clk_i)
-        if taken:
-            dut.decision_valid_i.value = 0
-    # 8 clocks a bit, 10 bits a byte; 18 bytes, the first COBS code, and a zero before and after.
-    starts, clock = [], 0
-    while clock < len(levels):
-        if levels[clock] == 0:
-            starts.append(clock)
-            clock += 8 * 10 - 4
-        clock += 1
-    data = bytes(sum(levels[at + 4 + 8 * (bit + 1)] << bit for bit in range(8)) for at in starts)
+
+    async def sent():
+        """The bytes of the next 3000 clocks: 8 clocks a bit, 10 bits a byte."""
+        levels = []
+        for _ in range(3000):
+            await ReadOnly()
+            levels.append(bench.read(dut.tx_o))
+            taken = dut.decision_ready_o.value == 1
+            await RisingEdge(dut.clk_i)
+            if taken and dut.decision_valid_i.value == 1:
+                if len(levels) < 300:  # the slip ends while its packet leaves: no room, and nothing waits
+                    dut.decision_i.value = members.word("decision", {"last": 1, "state": 1, "p2p": 5})
+                else:
+                    dut.decision_valid_i.value = 0
+        starts, clock = [], 0
+        while clock < len(levels):
+            if levels[clock] == 0:
+                starts.append(clock)
+                clock += 8 * 10 - 4
+            clock += 1
+        return bytes(sum(levels[at + 4 + 8 * (bit + 1)] << bit for bit in range(8)) for at in starts)
+
+    # 18 bytes, the first COBS code, and a zero before and after.
+    data = await sent()
     assert len(data) == 21 and (data[0], data[-1]) == (0, 0)
+    dut.decision_valid_i.value = 1  # the slip has ended, in a later detail
+    (late,) = Decoder().next(await sent())
+    assert (late.kind, late.payload.hex()) == (p.CHANGE, "0000050000a1")
     assert (bench.read(dut.status_o), bench.read(dut.health_ready_o), bench.read(dut.bus_valid_o)) == (
         0,
         0,
@@ -356,10 +458,11 @@ WHOLE = {"ClkKhz": CLK // 1000, "BaudHz": BAUD, "TimeoutClocks": 500, "SlipDepth
 WHOLE |= {"Chunk": CHUNK}
 LINE = WHOLE | {"Uart": 1, "StatisticBits": 12, "Array": 1}
 BYTES = WHOLE | {"Uart": 0, "StatisticBits": 10}
+CHANGES = BYTES | {"SlipChannels": 13, "Statistics": 0, "Taxels": 0, "Health": 0, "Cop": 0}
 SMALL = {"ClkKhz": 4000, "BaudHz": 500_000, "SlipOnly": 1, "Registers": 0, "DetailBits": 14}
 
 
-@pytest.mark.parametrize("build", [LINE, BYTES, SMALL], ids=["line", "bytes", "small"])
+@pytest.mark.parametrize("build", [LINE, BYTES, CHANGES, SMALL], ids=["line", "bytes", "changes", "small"])
 def test_link(build):
     bench.run("link", "link", build)
 

@@ -17,10 +17,11 @@ from meissner.builds import toolchain
 from meissner.twins.link import packet as p
 from meissner.twins.link.cobs import encode
 from meissner.twins.link.decoder import Decoder
+from meissner.twins.slip.slip_changes import Change
 
 INPUTS = (
     *("slip_valid", "slip", "slip_time", "cop_valid", "cop", "cop_time", "health_valid", "health"),
-    *("answer_valid", "answer_data", "statistics", "now"),
+    *("answer_valid", "answer_data", "statistics", "now", "states", "states_state"),
     *("image_valid", "image_data", "image_last", "image_time"),
 )
 
@@ -71,11 +72,18 @@ class Source:
 
 
 class Slip(Source):
+    """Starts of a slip and, of msn_packet, other changes; of msn_link starts alone, so that none is late."""
+
     def draw(self, now):
         channel, p2p, last = self.bits(16, 24, 1)
         state = int(self.rng.integers(0, 5))
-        self.put("decision", raised=1, last=last, id=channel, p2p=p2p, state=state)
-        return self.time(), p.slip_event(channel, p2p, state)
+        if self.port == "decision":
+            self.put("decision", raised=1, last=last, id=channel, p2p=p2p, state=state)
+            return self.time(), p.SLIP, p.slip_event(channel, p2p, state)
+        start, late = self.bits(1, 1)
+        change = Change(bool(start), late, int(self.rng.integers(0, 5)), state)
+        self.put("change", id=channel, p2p=p2p, **change._asdict())
+        return self.time(), *p.change_of(channel, p2p, change)
 
     def ready(self):
         return getattr(self.dut, f"{self.port}_ready_o").value == 1
@@ -218,10 +226,11 @@ def check(dut, got, sources, counters, build):
     by_kind = {}
     for q in got:
         by_kind.setdefault(q.kind, []).append(q)
-    assert set(by_kind) <= {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC, p.ANSWER}
+    assert set(by_kind) <= set(p.KNOWN) - {p.STATES}
     pairs = {kind: [(q.time, q.payload) for q in packets] for kind, packets in by_kind.items()}
     if "slip" in sources:
-        assert pairs.get(p.SLIP, []) == sources["slip"].sent
+        mine = [(q.time, q.kind, q.payload) for q in got if q.kind in (p.SLIP, p.CHANGE)]
+        assert mine == sources["slip"].sent
     if "answer" in sources:
         assert [payload for _, payload in pairs.get(p.ANSWER, [])] == [d for _, d in sources["answer"].sent]
     if "health" in sources:
@@ -344,7 +353,7 @@ async def an_event_waits_for_one_packet_at_most(dut):
         await test.run(1)
         sources["slip"].rate = 0
         begin_clock = test.clock
-        while sum(q[0] == p.SLIP for q in test.packets) <= count:
+        while sum(q[0] in (p.SLIP, p.CHANGE) for q in test.packets) <= count:
             await test.run(1)
         assert test.clock - begin_clock <= longest
 

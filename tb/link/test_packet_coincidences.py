@@ -15,17 +15,20 @@ DEPTH, COUNTERS, TAXELS, CHUNK, PERIOD = 4, 3, 6, 4, 1 << 10
 TYPES = {
     "slip": 1,
     "answer": 16,
+    "states": 7,
     "cop": 2,
     "health": 4,
     "statistic": 5,
     "image": 3,
 }  # in the order of priority
-LENGTH = {"slip": 6, "answer": 8, "cop": 12, "health": 4, "statistic": 5}
+LENGTH = {"slip": 6, "answer": 8, "states": 8, "cop": 12, "health": 4, "statistic": 5}
 # Clocks from a request until it takes part in the choice; the chosen packet's first byte follows 5 clocks
 # later.
-WAITS = {"slip": 3, "answer": 0, "cop": 1, "health": 1, "statistic": 1, "image": 2}
+WAITS = {"slip": 3, "answer": 0, "states": 2, "cop": 1, "health": 1, "statistic": 1, "image": 2}
 STATISTICS = [0x01020304, 0x11223344, 0xCAFEBABE]
 NAMES = ("slip", "answer", "cop", "health", "image")
+STATES = [4, 3, 2, 1, 0, 4]  # of the channels, and the packet that says so
+STATES_SENT = bytes.fromhex("0000 0600 34 12 40 00")
 
 
 class Talk:
@@ -51,6 +54,7 @@ class Talk:
         dut.now_i.value, dut.out_ready_i.value = self.now(self.clock), ready
         for name in NAMES:
             getattr(dut, f"{name}_valid_i").value = 0
+        dut.states_i.value = 0
         for kind, number in self.left.pop(self.clock, []):
             if kind == "answer":
                 self.answering = number
@@ -63,7 +67,7 @@ class Talk:
         if self.reporting is not None:
             self.drive("health", self.reporting)
         await bench.ReadOnly()
-        took = dut.slip_ready_o.value == 1
+        took, place = dut.slip_ready_o.value == 1, bench.read(dut.states_id_o)
         if self.answering is not None and dut.answer_ready_o.value == 1:
             self.answering = None
         if self.reporting is not None and dut.health_ready_o.value == 1:
@@ -76,15 +80,21 @@ class Talk:
                 self.packets.append(bytes(self.bytes))
                 self.bytes.clear()
         await bench.RisingEdge(dut.clk_i)
+        dut.states_state_i.value = STATES[place] if place < len(STATES) else 7
         self.clock += 1
         return took
 
     def drive(self, kind, number):
         dut = self.dut
-        getattr(dut, f"{kind}_valid_i").value = 1
+        if kind == "change":
+            dut.slip_valid_i.value, dut.slip_time_i.value = 1, number
+            change = {"id": 7, "p2p": number, "state": 4, "told": 1, "late": number % 2}
+            dut.slip_i.value = members.word("change", change)
+            return
+        getattr(dut, "states_i" if kind == "states" else f"{kind}_valid_i").value = 1
         if kind == "slip":
-            event = {"id": 0x0102 + number, "p2p": 0x030405 + number, "state": 2 + number % 2}
-            dut.slip_i.value = members.word("decision", event)
+            event = {"id": 0x0102 + number, "p2p": 0x030405 + number, "state": 2 + number % 2, "start": 1}
+            dut.slip_i.value = members.word("change", event)
             dut.slip_time_i.value = 0x060708090A0B + number
         elif kind == "answer":
             dut.answer_data_i.value = 0x0102_0304_0506_0708 + number
@@ -92,6 +102,8 @@ class Talk:
             cop = {"x": 0x0A0B0C + number, "y": 0xF0E0D0, "load": 0x1122334455, "pressed": 1}
             dut.cop_i.value = members.word("cop", cop)
             dut.cop_time_i.value = 0x0C0D0E0F1011 + number
+        elif kind == "states":
+            pass
         elif kind == "health":
             dut.health_i.value = members.word("health", {"id": 0x161718 + number, "faults": 5})
         else:
@@ -120,8 +132,12 @@ class Talk:
             head, checksum = packet[:-4], int.from_bytes(packet[-4:], "little")
             assert checksum == zlib.crc32(head)
             assert head[1] == count
-            kind = next(name for name, number in TYPES.items() if number == head[0])
             time, payload = int.from_bytes(head[2:8], "little"), head[8:]
+            if head[0] == 6:
+                assert payload == bytes([7, 0, time, 0, 0, 0x94 if time % 2 else 0x14])
+                found.append(("change", time))
+                continue
+            kind = next(name for name, number in TYPES.items() if number == head[0])
             assert kind == "image" or len(payload) == LENGTH[kind]
             if kind == "slip":
                 number = time - 0x060708090A0B
@@ -134,6 +150,9 @@ class Talk:
                 number = time - 0x0C0D0E0F1011
                 due = (0x0A0B0C + number).to_bytes(3, "little") + bytes([0xD0, 0xE0, 0xF0])
                 assert payload == due + bytes([0x55, 0x44, 0x33, 0x22, 0x11, 1])
+            elif kind == "states":
+                number = 0
+                assert payload == STATES_SENT and time == self.now(start - 4)
             elif kind == "health":
                 number = int.from_bytes(payload[:3], "little") - 0x161718
                 assert payload[3] == 5
@@ -154,6 +173,7 @@ class Talk:
 
 async def begin(dut):
     inputs = {f"{name}_valid_i": 0 for name in NAMES}
+    inputs |= {"states_i": 0, "states_state_i": 0}
     await bench.start(dut, statistics_i=bench.lane_word(STATISTICS, 32), **inputs)
 
 
@@ -196,7 +216,7 @@ async def two_sources_ask_in_one_clock(dut):
 async def all_of_them_wait_while_a_packet_leaves(dut):
     """In the order of the docs, whichever requested first."""
     await begin(dut)
-    for order in (list(TYPES), list(TYPES)[::-1], ["image", "cop", "slip", "health", "answer"]):
+    for order in (list(TYPES), list(TYPES)[::-1], ["image", "cop", "slip", "states", "health", "answer"]):
         talk = await again(dut)
         talk.ask("cop", PERIOD - 40, number=7)
         for place, kind in enumerate(order):
@@ -287,9 +307,39 @@ async def the_queue_exactly_full_and_empty(dut):
         assert sent == list(range(number)), rounds
 
 
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def changes_that_never_end_let_the_others_pass(dut):
+    """The queue is never empty: after a change the others go first once, and after seven a part of an image;
+    starts of a slip, which are never kept back, then follow one another."""
+    await begin(dut)
+    talk = await again(dut)
+    for kind in ("image", "cop", "health", "answer", "states"):
+        talk.ask(kind, 45, (0 if kind == "image" else 3) if kind != "states" else 0)
+    number = 0
+    while len(talk.packets) < 28:
+        talk.left.setdefault(talk.clock, []).append(("change", number))
+        number += await talk.tick()
+    others = [("answer", 3), ("states", 0), ("cop", 3), ("health", 3), *PARTS["image"]]
+    before = [1, 1, 1, 1, 3, 7, 5]  # changes before each of these, and at the end
+    wanted, count = [], 0
+    for changes, other in zip(before, [*others, None]):
+        wanted += [("change", count + k) for k in range(changes)] + [other] * (other is not None)
+        count += changes
+    got = [one for one in talk.kinds() if one[0] != "statistic"]
+    assert got[: len(wanted)] == wanted, got
+    # A start behind the changes goes before a centre of pressure once it is first.
+    talk = await again(dut)
+    for place, kind in enumerate(("change", "slip", "slip", "cop")):
+        talk.ask(kind, 10 + place, 1)
+    await talk.run(15)
+    await talk.until_still()
+    assert talk.kinds() == [("change", 1), ("slip", 1), ("slip", 1), ("cop", 1)]
+
+
 def test_packet_coincidences():
     build = {
         "SlipDepth": DEPTH,
+        "States": len(STATES),
         "Statistics": COUNTERS,
         "StatisticBits": 10,
         "Taxels": TAXELS,

@@ -9,6 +9,7 @@ from meissner.twins.link import bridge, packet
 from meissner.twins.link.cobs import decode, encode, stuff
 from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.packet import packets
+from meissner.twins.slip.slip_changes import Change
 
 
 def with_crc(text):
@@ -20,6 +21,10 @@ HEAD = "85 060504030201"  # number 389 mod 256, time 0x010203040506
 LITERALS = [
     (packet.SLIP, packet.slip_event(0x0201, 0x050403, 2), "01", "0102 030405 02"),
     (packet.SLIP, packet.slip_event(65535, 7, 3), "01", "ffff 070000 03"),
+    (packet.CHANGE, packet.state_change(0x0201, 0x050403, 1, 3, False), "06", "0102 030405 31"),
+    (packet.CHANGE, packet.state_change(0, 9, 4, 1, True), "06", "0000 090000 94"),
+    (packet.STATES, packet.states([1, 2, 3, 4, 0, 1])[0], "07", "0000 0600 21 43 10 00"),
+    (packet.STATES, packet.states([2], 65535)[0], "07", "ffff 0100 02 00"),
     (packet.COP, packet.cop_frame(-2, 0x4000, 0x0504030201, True), "02", "feffff 004000 0102030405 01"),
     (packet.COP, packet.cop_frame(0x123456, -8388608, 0, False), "02", "563412 000080 0000000000 00"),
     (packet.HEALTH, packet.health(0x030201, 1), "04", "010203 01"),
@@ -47,6 +52,10 @@ def test_an_image_by_hand():
 FIELDS = [
     {"channel": 0x0201, "p2p": 0x050403, "state": 2},
     {"channel": 65535, "p2p": 7, "state": 3},
+    {"channel": 0x0201, "p2p": 0x050403, "state": 1, "told": 3, "late": False},
+    {"channel": 0, "p2p": 9, "state": 4, "told": 1, "late": True},
+    {"first": 0, "left": 6, "states": (1, 2, 3, 4, 0, 1)},
+    {"first": 65535, "left": 1, "states": (2,)},
     {"x": -2, "y": 0x4000, "load": 0x0504030201, "pressed": True},
     {"x": 0x123456, "y": -8388608, "load": 0, "pressed": False},
     {"taxel": 0x030201, "faults": 1},
@@ -63,9 +72,11 @@ def test_the_host_reads_them_by_hand(literal, fields):
 
 
 def test_slip_packets_by_hand():
-    assert packets([(0x0A, 41, 2), (0x0B, 300, 3)]) == [
+    told = [Change(True, False, 1, 2), Change(True, False, 1, 3), Change(False, True, 3, 1)]
+    assert packets([(0x0A, 41, told[0]), (0x0B, 300, told[1]), (0x0C, 5, told[2])]) == [
         with_crc("01 00 0a0000000000 0000 290000 02"),
         with_crc("01 01 0b0000000000 0000 2c0100 03"),
+        with_crc("06 02 0c0000000000 0000 050000 b1"),
     ]
 
 

@@ -5,8 +5,8 @@ SPEED_DELAY = 3  # from a speed to the first window that it applies to
 
 
 class GripLoop:
-    """``clock`` takes the inputs of one clock and returns the cycle that ends in it, else None. A change of the
-    mode takes that clock: it is one of reset."""
+    """``clock`` takes the inputs of one clock and returns the cycle that ends in it, else None. A change of
+    the mode takes that clock: it is one of reset."""
 
     def __init__(self, fingers, bits, shift, **settings):
         self.fingers, self.top, self.shift = range(fingers), 2**bits - 1, shift

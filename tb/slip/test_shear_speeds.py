@@ -443,7 +443,7 @@ async def holds_while_the_force_may_change(dut):
                 await frames(stage, 1727, WINDOW)
             await frames(stage, 1740, WINDOW)
             assert (await shown(stage))[1] == 0, (cycles, increment)
-    # The count of cycles by its last one, a register written meanwhile, a reflex that is off or has no command.
+    # The count of cycles by its last one, a register written meanwhile, a reflex without a command.
     for cycles, after, change, held in (
         *[(255, 254, {}, True), (255, 255, {}, False), (255, 300, {}, False), (128, 127, {}, True)],
         *[(128, 128, {}, False), (200, 3, {"hold_cycles": 4}, True), (200, 3, {"hold_cycles": 3}, False)],

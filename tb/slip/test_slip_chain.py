@@ -14,6 +14,7 @@ import bench
 import members
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.slip_path import slip_chain, slip_flags
+from reference.slip_changes import ChangesReference
 from slip.test_slip_path import beats_of, recording
 
 SETTINGS = {"threshold": 60, "gross_threshold": 110, "contact_level": 200, "release_level": -100}
@@ -96,13 +97,15 @@ async def events_and_flags_are_the_models(dut, pace, moving):
     ]
     assert verdicts == ([] if number(dut, "Array") and number(dut, "Lanes") > 1 else expected)
     assert {over for _, over, _ in expected} == {0, 1}
-    events = [
-        ((place // channels + 1) * group - 1, d["id"], d["p2p"], d["state"])
+    heard = ChangesReference(channels)
+    changes = [
+        ((place // channels + 1) * group - 1, d["id"], d["p2p"], found)
         for place, d in enumerate(decisions)
-        if d["raised"]
+        if (found := heard.decision(d["id"], d["state"], bool(d["raised"]), True))
     ]
-    assert events == slip_chain(x.T, config, np.full(700 // group, bool(moving)))
-    assert bool(events) != bool(moving)
+    assert changes == slip_chain(x.T, config, np.full(700 // group, bool(moving)))
+    starts = [found for *_, (start, *found) in changes if start]
+    assert bool(starts) != bool(moving) and len(changes) >= len(starts) + channels
     assert flags == [
         tuple(map(int, row)) for row in slip_flags([(d["id"], d["state"], d["last"]) for d in decisions])
     ]

@@ -1,5 +1,5 @@
-"""msn_slip_flags against its model: random states of one and of several channels, with gaps and frames that are
-cut short; reset."""
+"""msn_slip_flags against its model: random states of one and of several channels, with gaps and frames that
+are cut short; reset."""
 
 import random
 

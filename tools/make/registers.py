@@ -142,12 +142,11 @@ def _rows(groups):
     rows, at = [], 0
 
     def row(group, reg, low, width, kind, held, signed, place, value, name):
-        lock = places["cfg", group.name, "enable"] if reg.applies == "while_off" else 0
         applies = "AtOnce" if reg.applies == "-" else reg.applies.title().replace("_", "")
         columns = f"{parameter(group) + ',':11} 10'h{reg.address >> 2:03x}, "
         columns += " ".join(f"{number:6}" for number in (f"5'd{low},", f"6'd{width},"))
         columns += f" {kind + ',':9} {applies + ',':9} {held.capitalize() + ',':7} 1'b{int(signed)}, "
-        columns += f"12'd{f'{place},':5} 12'd{f'{lock},':5} 32'h{value:x}"
+        columns += f"12'd{f'{place},':5} 32'h{value:x}"
         rows.append((columns, name))
 
     for group in groups:
@@ -191,7 +190,8 @@ def package(groups, _):
         width += bits
         if bits:
             resets.insert(0, (f"{bits}'h{value:x}", group.name))
-    _, sizes = _places(groups)
+    places, sizes = _places(groups)
+    switches = [places.get(("cfg", group.name, "enable"), 0) for group in reversed(groups)]
     rows = _rows(groups)
     return PACKAGE.format(
         made=MADE,
@@ -200,6 +200,7 @@ def package(groups, _):
         group_count=len(groups),
         rows="\n".join(rows),
         count=len(rows),
+        switches=", ".join(f"12'd{place}" for place in switches),
         cfg=sizes["cfg"],
         status=sizes["status"],
         width=width,
@@ -244,7 +245,7 @@ package msn_registers_pkg;
   // The bits that a build has for a field: all, or its parameter DetailBits ...
   typedef enum logic [2:0] {{Whole, Detail, Timer, Load, Offset}} held_e;
 
-  localparam int unsigned RowBits = 91;
+  localparam int unsigned RowBits = 79;
   typedef struct packed {{
     group_e      group;
     logic [9:0]  word;       // the address, in words
@@ -255,7 +256,6 @@ package msn_registers_pkg;
     held_e       held;
     logic        is_signed;
     logic [11:0] place;      // its lowest bit in cfg_t or status_t
-    logic [11:0] lock;       // WhileOff: the bit of cfg_t that is 1 while its block is on
     logic [31:0] value;      // the constant; of a setting its lowest bit in the reset values
   }} row_t;
 
@@ -265,6 +265,11 @@ package msn_registers_pkg;
   // The first row highest.
   localparam logic [Rows*RowBits-1:0] Table = {{
 {rows}
+  }};
+
+  // Of each group: the bit of cfg_t that is 1 while its block is on, for settings that apply while it is off.
+  localparam logic [12*Groups-1:0] Switches = {{
+    {switches}
   }};
 
   localparam int unsigned ResetBits = {width};

@@ -35,6 +35,7 @@ void soak_run(int64_t events, int64_t sixteenths, int32_t mean, int32_t burst, i
   std::mt19937 draw(seed);
   std::deque<Event> offered, sent;
   top.rx_i = 1;
+  top.cfg_i = 0b0'11111'0;  // msn_registers_pkg::link_cfg_t: images, events of every state, states
   core.reset();
   *out = {};
   msn_decoder decoder{};

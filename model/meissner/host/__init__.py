@@ -11,7 +11,7 @@ from typing import Any
 from meissner.builds.units import Units
 from meissner.host.core import Core, NoAnswer, Refused
 from meissner.host.line import open_line
-from meissner.host.packets import CopFrame, Gap, Health, Image, SlipEvent, Statistics
+from meissner.host.packets import CopFrame, Gap, Health, Image, SlipEvent, StateChange, States, Statistics
 
 __all__ = [
     "CopFrame",
@@ -22,6 +22,8 @@ __all__ = [
     "NoAnswer",
     "Refused",
     "SlipEvent",
+    "StateChange",
+    "States",
     "Statistics",
     "Units",
     "connect",

@@ -140,6 +140,7 @@ def live(arguments: Namespace) -> None:
     messages: list[str] = []
     listen = False if arguments.listen else None
     with _connect(arguments, listen, messages.append) as core, _stopping(core):
+        core.ask_states()
         view = View(core)
         if sys.stdout.isatty():
             _live_picture(core, view, arguments.seconds, messages)
@@ -224,7 +225,7 @@ def _stopping(core: "Core") -> Iterator[None]:
 
 
 def log(arguments: Namespace) -> None:
-    from meissner.host import log
+    from meissner.host import Gap, log
 
     log.check_out(arguments.out)
     listen = False if arguments.listen else None
@@ -233,9 +234,12 @@ def log(arguments: Namespace) -> None:
         _stopping(core),
         log.recording(arguments.out, core) as recording,
     ):
+        core.ask_states()
         for item, beat in _beats(core, arguments.seconds, log.FLUSH_S):
             if item is not None:
                 recording.add(item)
+            if isinstance(item, Gap):
+                core.ask_states()
             if beat:
                 recording.flush()
     counts = core.counts
@@ -255,7 +259,7 @@ def log(arguments: Namespace) -> None:
 
 def replay(arguments: Namespace) -> None:
     from meissner.host import log
-    from meissner.host.replay import differences, replay
+    from meissner.host.replay import changes, differences, replay
 
     engines.load(arguments.engine)
     found = log.read(arguments.log)
@@ -273,3 +277,6 @@ def replay(arguments: Namespace) -> None:
         f"{f' (at most: {apart})' if wrong else ''}; "
         f"{'the log was not finished; ' if 'partial' in found else ''}{plain(arguments.out)}"
     )
+    count, broken = changes(found)
+    if count:
+        print(f"{count} changes of channels' states, {broken} of them after others that are missing")

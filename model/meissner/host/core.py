@@ -204,6 +204,18 @@ class Core:
         if self._resets:
             self._restore()
 
+    def ask_states(self) -> bool:
+        """Ask for the state of every channel, which ``packets`` then yields as States; False if this core has
+        none, is only listened to, or does not answer now."""
+        if not self.registers or not {"slip", "cop_slip"} & {*self.features}:
+            return False
+        try:
+            with self.impatient():
+                self["link.states"] = 1
+        except OSError:
+            return False
+        return True
+
     def set(self, name: str, **amount: float) -> int:
         """Write one register in volts, newtons or seconds: ``core.set("slip.threshold", volts=0.02)``.
 
@@ -306,7 +318,7 @@ class Core:
 
         Yields
         ------
-        SlipEvent, CopFrame, Image, Health, Statistics or Gap
+        SlipEvent, StateChange, States, CopFrame, Image, Health, Statistics or Gap
         """
         end = None if seconds is None else time.monotonic() + seconds
         while True:

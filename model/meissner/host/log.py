@@ -2,7 +2,10 @@
 
 Arrays, one row per packet, ``_time`` in clocks and ``_ns`` in nanoseconds of UTC:
 
-    slip_time, _ns, _channel, _state, _p2p           cop_time, _ns, _x, _y, _load, _pressed
+    change_time, _ns, _channel, _state, _before, _p2p, _late, _start         every change of a channel's state
+    slip_time, _ns, _channel, _state, _p2p           of these, the starts of a slip
+    state_time, _ns, _channel, _state                as asked for when the log began and after a gap
+    cop_time, _ns, _x, _y, _load, _pressed
     image_time, _ns, _number                         image [images, rows, columns]
     health_time, _ns, _taxel, _faults                statistics_time, _ns, _index, _value
     gap_ns, _seconds, _reason                        reset_ns, _restarts, _min_load
@@ -45,7 +48,7 @@ FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress le
 _FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float, "min_load": int}
 _FACTS |= {counter.name: type(counter.default) for counter in fields(Counts)}
 
-ADDED = ("reset_",)  # arrays that earlier logs do not have
+ADDED = ("reset_", "change_", "state_")  # arrays that earlier logs do not have
 
 PARTIAL: Arrays = {"partial": np.asarray(True)}
 

@@ -24,7 +24,7 @@ class OfBoot:
 
 @dataclass(frozen=True)
 class SlipEvent(OfBoot):
-    """A flag of slip rose.
+    """A slip begins: the channel was in contact, and is incipient or gross.
 
     Attributes
     ----------
@@ -45,6 +45,39 @@ class SlipEvent(OfBoot):
     p2p: int
     p2p_v: float | None
     p2p_n: float | None = None
+
+
+@dataclass(frozen=True)
+class StateChange(OfBoot):
+    """Any other change of a channel's state; the fields of SlipEvent, and:
+
+    Attributes
+    ----------
+    before : int
+        The state before, as the core last sent it.
+    late : bool
+        The channel has had this state for some details: the line was too slow.
+    """
+
+    time: int
+    time_s: float | None
+    channel: int
+    state: int
+    p2p: int
+    p2p_v: float | None
+    p2p_n: float | None = None
+    before: int = State.NONE
+    late: bool = False
+
+
+@dataclass(frozen=True)
+class States(OfBoot):
+    """The states of the channels from ``first`` on, which ``Core.ask_states`` asked for."""
+
+    time: int
+    time_s: float | None
+    first: int
+    states: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -120,8 +153,13 @@ class Reset:
     min_load: int = -1
 
 
-Stamped = SlipEvent | CopFrame | Image | Health | Statistics  # by the core
+Stamped = SlipEvent | StateChange | States | CopFrame | Image | Health | Statistics  # by the core
 Item = Stamped | Gap
+
+
+def _state(number: int) -> int:
+    """A State, or the number if this host does not know it."""
+    return State(number) if number in set(State) else number
 
 
 class Assembler:
@@ -148,11 +186,15 @@ class Assembler:
     def next(self, packet: Packet) -> Stamped | None:
         fields, units = packet.fields, self.units
         at = (packet.time, units.seconds(packet.time))
-        if packet.kind == p.SLIP:
-            code, state = fields["p2p"], fields["state"]
-            state = State(state) if state in set(State) else state
+        if packet.kind in (p.SLIP, p.CHANGE):
+            code = fields["p2p"]
             amounts = (units.detail_volts(code), units.detail_newtons(code))
-            return SlipEvent(*at, fields["channel"], state, code, *amounts)
+            shared = (*at, fields["channel"], _state(fields["state"]), code, *amounts)
+            if packet.kind == p.SLIP:
+                return SlipEvent(*shared)
+            return StateChange(*shared, _state(fields["told"]), fields["late"])
+        if packet.kind == p.STATES:
+            return States(*at, fields["first"], tuple(map(_state, fields["states"])))
         if packet.kind == p.COP:
             x, y, x_mm, y_mm = units.place(fields["x"], fields["y"])
             load = fields["load"]

@@ -34,6 +34,18 @@ def replay(log: Arrays, engine: str, min_load: int | None = None) -> Arrays:
     return {"boot": boot, "time": log["image_time"], **found, "logged": rows >= 0, **beside}
 
 
+def changes(log: Arrays) -> tuple[int, int]:
+    """(changes of channels' states in the log, how many of them do not begin with the state that the change
+    before of that channel led to): those between were lost."""
+    last: dict[tuple[int, int], int] = {}
+    broken = 0
+    columns = [boots(log, "change"), *(log[f"change_{name}"] for name in ("channel", "before", "state"))]
+    for boot, channel, before, state in zip(*(column.tolist() for column in columns)):
+        broken += last.get((boot, channel), before) != before
+        last[boot, channel] = state
+    return len(log["change_state"]), broken
+
+
 def differences(result: Arrays) -> tuple[int, int, dict[str, int]]:
     """(frames logged with image and CoP, how many of them differ, {number: largest difference})."""
     both = result["logged"]

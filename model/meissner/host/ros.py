@@ -13,6 +13,7 @@ import numpy as np
 from meissner.builds.toolchain import ROOT
 from meissner.builds.units import FRACTION_BITS, Units
 from meissner.host import packets
+from meissner.host.table import START
 from meissner.host.unfinished_log import UnfinishedLog
 
 Found = dict[str, str] | tuple[str, int, Any]  # facts, or topic, ns and message
@@ -116,6 +117,12 @@ class McapWriter:
         elif isinstance(item, packets.SlipEvent):
             values = {"channel": item.channel, "state": int(item.state), "p2p": item.p2p}
             self._numbers(stamp_ns, "/tactile/slip", item.time, values)
+            self._change(stamp_ns, item, START["before"], late=False, start=True)
+        elif isinstance(item, packets.StateChange):
+            self._change(stamp_ns, item, before=int(item.before), late=item.late, start=False)
+        elif isinstance(item, packets.States):
+            values = {"first": item.first} | {f"state{k}": int(state) for k, state in enumerate(item.states)}
+            self._numbers(stamp_ns, "/tactile/states", item.time, values)
         elif isinstance(item, packets.Health):
             values = {"taxel": item.taxel, "faults": item.faults}
             self._numbers(stamp_ns, "/tactile/health", item.time, values)
@@ -125,6 +132,18 @@ class McapWriter:
         else:
             topic = "/tactile/gap" if isinstance(item, packets.Gap) else "/tactile/reset"
             self._write(stamp_ns, topic, "std_msgs/String", SimpleNamespace(data=json.dumps(asdict(item))))
+
+    def _change(
+        self,
+        stamp_ns: int,
+        item: packets.SlipEvent | packets.StateChange,
+        before: int,
+        late: bool,
+        start: bool,
+    ) -> None:
+        values = {"channel": item.channel, "state": int(item.state), "before": before, "p2p": item.p2p}
+        values |= {"late": int(late), "start": int(start)}
+        self._numbers(stamp_ns, "/tactile/state", item.time, values)
 
     def _numbers(self, stamp_ns: int, topic: str, ticks: int, values: dict[str, int]) -> None:
         values = {"ticks": ticks, **values}
@@ -239,6 +258,13 @@ def _items(topic: str, message: Any) -> Iterator[packets.Item | packets.Reset]:
     elif kind == "slip":
         ticks, channel, state, p2p = message.data
         yield packets.SlipEvent(ticks, None, channel, state, p2p, p2p_v=None)
+    elif kind == "state":
+        ticks, channel, state, before, p2p, late, start = message.data
+        if not start:  # those are on the topic slip too
+            yield packets.StateChange(ticks, None, channel, state, p2p, None, None, before, bool(late))
+    elif kind == "states":
+        ticks, first, *states = message.data
+        yield packets.States(ticks, None, first, tuple(states))
     elif kind == "health":
         ticks, taxel, faults = message.data
         yield packets.Health(ticks, None, taxel, faults)

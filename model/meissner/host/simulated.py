@@ -25,6 +25,7 @@ from meissner.twins.link.registers import Registers, reset_word
 from meissner.twins.slip.config import SAMPLE_BITS, SWITCHES, TIMER_BITS, SlipConfig
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import Slip, State
+from meissner.twins.slip.slip_changes import SlipChanges
 from meissner.twins.slip.slip_path import details
 
 CLK_KHZ = 25_000
@@ -32,6 +33,7 @@ STATISTIC_CLOCKS = 1 << 20
 LATE_S = 0.1  # that a read may spend catching up before it slows the clock
 BLOCK = 64  # details between two looks at the registers
 SHOWN = "acrylic_slip+walk_25x5"
+SLIPS = (State.INCIPIENT, State.GROSS)
 
 
 Sent = tuple[int, int | None, bytes]
@@ -79,7 +81,7 @@ class SimulatedCore:
         self._next: Sent | None = None
         self._out, self._in, self._number = bytearray(), bytearray(), 0
         self._began, self._now = time.monotonic(), 0
-        self.rejected = 0
+        self.rejected, self.states = 0, [0]
 
     @property
     def now(self) -> int:
@@ -125,9 +127,18 @@ class SimulatedCore:
         del self._in[:whole]
         self.rejected += rejected
         for operation, tag, address, value in found:
-            word, error, _ = self.registers.access(operation, address, value, status=self.status)
+            word, error, pulses = self.registers.access(operation, address, value, status=self.status)
             status = bridge.BUS_ERROR if error else bridge.DONE
             self.say(p.ANSWER, self.now, bridge.answer(tag, status, address, word))
+            if ("link", "states", "value") in pulses:
+                for payload in p.states(self.states):
+                    self.say(p.STATES, self.now, payload)
+
+    @property
+    def events(self) -> int:
+        """The register link.events."""
+        bits = (self.registers.setting("link", "events", state.name.lower()) << state for state in State)
+        return sum(bits)
 
     def slip_config(self, window: int = SlipConfig.window, hop: int = SlipConfig.hop) -> SlipConfig:
         """The SlipConfig in the registers of the group slip, for a build with that window and hop."""
@@ -156,7 +167,7 @@ def blocks_of(codes: ArrayLike, level: int = 1, loop: bool = False) -> Iterator[
 
 
 def slip_source(blocks: Iterable[Ints], rate_hz: float, window: int = 64, hop: int = 64) -> Source:
-    """Blocks of codes [channels, whole details] through the slip path's twins: a packet where a flag rises.
+    """Blocks of codes [channels, whole details] through the slip path's twins: a packet for each change.
 
     The settings come from the core's registers, read before each block; ``blocks`` may be a generator.
     """
@@ -171,21 +182,21 @@ def slip_source(blocks: Iterable[Ints], rate_hz: float, window: int = 64, hop: i
             config = core.slip_config(window, hop)
             if spans is None:
                 spans = PeakToPeak(len(codes), window // group, hop // group)
-                twin, flag = Slip(len(codes), config), np.zeros((len(codes), 1), dtype=bool)
-                before = codes[:, :0]
-            twin.config = config
+                twin, last = Slip(len(codes), config), np.zeros((len(codes), 1), dtype=int)
+                changes, before = SlipChanges(len(codes)), codes[:, :0]
+                core.states = changes.now
+            twin.config, changes.events = config, core.events
             detail, total = details(np.concatenate([before, codes], axis=1), config, start=before.shape[1])
             before = codes
             p2p, _ = spans.next(detail)
             state = twin.next(p2p, total)
-            slipping = (state == State.INCIPIENT) | (state == State.GROSS)
-            rises = slipping & ~np.concatenate([flag, slipping[:, :-1]], axis=1)
-            flag = slipping[:, -1:]
-            for k in np.flatnonzero(rises.any(axis=0)):
-                at = int((done + group * (k + 1) - 1) * clocks)  # time of the sample that decided
-                for channel in np.flatnonzero(rises[:, k]):
-                    event = p.slip_event(int(channel), int(p2p[channel, k]), int(state[channel, k]))
-                    yield at, p.SLIP, event
+            earlier, last = np.concatenate([last, state[:, :-1]], axis=1), state[:, -1:]
+            starts = np.isin(state, SLIPS) & ~np.isin(earlier, SLIPS)
+            for k, channel in np.argwhere((state != earlier).T).tolist():
+                change = changes.next(channel, state[channel, k], starts[channel, k])
+                if change:
+                    at = int((done + group * (k + 1) - 1) * clocks)  # time of the sample that decided
+                    yield at, *p.change_of(channel, int(p2p[channel, k]), change)
             done += codes.shape[1]
             yield int(done * clocks), None, b""
 

@@ -14,11 +14,17 @@ from meissner.builds.units import FRACTION_BITS, Units
 from meissner.files import arrays_of, written
 from meissner.host import packets
 from meissner.host.unfinished_log import UnfinishedLog
+from meissner.twins.slip.slip import State
 
 MAGIC = b"MSNROWS1"  # then blocks: 32-bit length, CRC-32, content (a .npz)
 
 COLUMNS = {
     "slip": {"time": "u8", "ns": "i8", "channel": "u2", "state": "u1", "p2p": "u4"},
+    "change": {
+        **{"time": "u8", "ns": "i8", "channel": "u2", "state": "u1", "before": "u1", "p2p": "u4"},
+        **{"late": "?", "start": "?"},
+    },
+    "state": {"time": "u8", "ns": "i8", "channel": "u2", "state": "u1"},
     "cop": {"time": "u8", "ns": "i8", "x": "i4", "y": "i4", "load": "u8", "pressed": "?"},
     "image": {"time": "u8", "ns": "i8", "number": "u1"},
     "health": {"time": "u8", "ns": "i8", "taxel": "u4", "faults": "u1"},
@@ -28,6 +34,8 @@ COLUMNS = {
 }
 _KINDS = {
     packets.SlipEvent: "slip",
+    packets.StateChange: "change",
+    packets.States: "state",
     packets.CopFrame: "cop",
     packets.Image: "image",
     packets.Health: "health",
@@ -35,6 +43,9 @@ _KINDS = {
     packets.Gap: "gap",
     packets.Reset: "reset",
 }
+
+# What a start of a slip leaves out as a change.
+START = {"before": int(State.CONTACT), "late": False, "start": False}
 
 
 Facts = Mapping[str, float | None]
@@ -64,9 +75,20 @@ class Table:
                     "a log holds images of one size"
                 )
             self._images.append(item.taxels)
+        if isinstance(item, packets.States):
+            for place, state in enumerate(item.states):
+                self._row("state", time=item.time, ns=stamp_ns, channel=item.first + place, state=state)
+            return
+        given = vars(item) | {"ns": stamp_ns}
+        if isinstance(item, packets.CopFrame):
+            given |= {name: round(given[name] * (1 << FRACTION_BITS)) for name in ("x", "y")}
+        self._row(kind, **START | given if kind == "change" else given)
+        if kind == "slip":  # all changes of the channels' states, in order
+            self._row("change", **given | START | {"start": True})
+
+    def _row(self, kind: str, **given: Any) -> None:
         for name, column in self._columns[kind].items():
-            value = stamp_ns if name == "ns" else getattr(item, name)
-            column.append(round(value * (1 << FRACTION_BITS)) if name in ("x", "y") else value)
+            column.append(given[name])
 
     def new(self) -> Arrays:
         found = {

@@ -21,7 +21,7 @@ SLIP_COLOURS: dict[int, str] = {State.INCIPIENT: "yellow", State.GROSS: "red"}
 
 
 def state_name(state: int) -> str:
-    return state.name.lower() if isinstance(state, State) else f"state {state}"
+    return State(state).name.lower() if state in set(State) else f"state {state}"
 
 
 def channel_name(channel: int) -> str:
@@ -59,7 +59,7 @@ class View:
     def _forget(self, boot: int) -> None:
         """Nothing is known of this boot of the core yet."""
         self._boot = boot
-        self.slips: dict[int, packets.SlipEvent] = {}  # the last of each channel
+        self.states: dict[int, tuple[int, str, str]] = {}  # of each channel: state, peak-to-peak, since when
         self.cop: packets.CopFrame | None = None
         self.image: packets.Image | None = None
         self.statistics: dict[str, int] = {}
@@ -70,11 +70,16 @@ class View:
         if isinstance(item, packets.OfBoot) and item.boot != self._boot:
             self._forget(item.boot)
             return "\n".join(["the core was reset", self.add(item) or ""]).rstrip()
-        if isinstance(item, packets.SlipEvent):
-            self.slips[item.channel] = item
-            self.slip_count += 1
-            return self._slip(item)
-        if isinstance(item, packets.CopFrame):
+        if isinstance(item, packets.SlipEvent | packets.StateChange):
+            since = self._at(item).removesuffix(": ")
+            self.states[item.channel] = (item.state, self._p2p(item), since)
+            self.slip_count += isinstance(item, packets.SlipEvent)
+            return self._change(item)
+        if isinstance(item, packets.States):
+            for channel, state in enumerate(item.states, item.first):
+                if self.states.get(channel, (None,))[0] != state:
+                    self.states[channel] = (state, "", "")
+        elif isinstance(item, packets.CopFrame):
             self.cop = item
         elif isinstance(item, packets.Image):
             self.image = item
@@ -96,13 +101,18 @@ class View:
     def _at(self, item: packets.Stamped) -> str:
         return f"{item.time} clocks: " if item.time_s is None else f"{item.time_s:.4f} s: "
 
-    def _slip(self, item: packets.SlipEvent) -> str:
-        return (
-            f"{self._at(item)}slip, channel {channel_name(item.channel)}, {state_name(item.state)}, "
-            f"peak-to-peak {self._p2p(item)}"
-        )
+    def _change(self, item: packets.SlipEvent | packets.StateChange) -> str | None:
+        channel = f"channel {channel_name(item.channel)}, "
+        if isinstance(item, packets.SlipEvent):
+            what = f"slip, {channel}{state_name(item.state)}"
+        elif (self.core.units.rows or 1) > 1:
+            return None  # a press on an array changes too many
+        else:
+            late = ", late" if item.late else ""
+            what = f"{channel}{state_name(item.before)} to {state_name(item.state)}{late}"
+        return f"{self._at(item)}{what}, peak-to-peak {self._p2p(item)}"
 
-    def _p2p(self, item: packets.SlipEvent) -> str:
+    def _p2p(self, item: packets.SlipEvent | packets.StateChange) -> str:
         volts = "" if item.p2p_v is None else f", {1e3 * item.p2p_v:.1f} mV"
         return f"{item.p2p}{volts}" + ("" if item.p2p_n is None else f", {1e3 * item.p2p_n:.1f} mN")
 
@@ -131,8 +141,14 @@ class View:
 
     def line(self) -> str:
         """A summary in one line."""
-        slips = f"{self.slip_count} slip event{'s' * (self.slip_count != 1)}"
-        return f"{self._cop()}; {slips}; {self._line()}"
+        return f"{self._cop()}; {self._slips()}; {self._line()}"
+
+    def _slips(self) -> str:
+        """How often it slipped, and how many channels are in contact and slip now."""
+        events = f"{self.slip_count} slip event{'s' * (self.slip_count != 1)}"
+        now = [state for state, *_ in self.states.values()]
+        slipping = sum(state in SLIP_COLOURS for state in now)
+        return f"{events}, {now.count(State.CONTACT) + slipping} in contact, {slipping} slipping"
 
     def picture(self) -> "Group":
         """The same as a renderable for rich."""
@@ -142,12 +158,15 @@ class View:
         from rich.text import Text
 
         slips = Table("channel", "state", "peak-to-peak", "at", box=None)
-        for channel in sorted(self.slips)[:HIGHEST]:
-            item = self.slips[channel]
-            state = Text(state_name(item.state), SLIP_COLOURS.get(item.state, ""))
-            slips.add_row(channel_name(channel), state, self._p2p(item), self._at(item).removesuffix(": "))
+        # Those that slip first, then those in contact: of an array not all can be shown.
+        order: dict[int, int] = {State.GROSS: 0, State.INCIPIENT: 1, State.CONTACT: 2}
+        for channel in sorted(self.states, key=lambda c: (order.get(self.states[c][0], 3), c))[:HIGHEST]:
+            state, p2p, since = self.states[channel]
+            slips.add_row(
+                channel_name(channel), Text(state_name(state), SLIP_COLOURS.get(state, "")), p2p, since
+            )
         parts: list[Panel | Text] = [
-            Panel(slips, title=f"slip, {self.slip_count} events"),
+            Panel(slips, title=f"slip, {self._slips()}"),
             Panel(self._cop(), title="centre of pressure"),
         ]
         if self.image is not None:

@@ -7,22 +7,30 @@ import numpy as np
 from meissner.twins.actuate.actuate import Actuate
 from meissner.twins.frontend.health import Limits
 from meissner.twins.link.link import payloads
+from meissner.twins.link.packet import SLIP
 from meissner.twins.sensor.sensors import from_reset, sensor_array, sensor_cop4
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.shear_speeds import ShearSpeeds, report
-from meissner.twins.slip.slip_path import slip_chain
+from meissner.twins.slip.slip_path import changes_of, slip_chain
 
 OF_LOAD = 65535  # channel of a slip event found in the load of four electrodes
 
 
 @dataclass(frozen=True)
 class Expected:
-    """``slip``, ``cop``: payloads in order, each with its frame's index; ``images`` [frames, taxels]."""
+    """In order ``changes`` [(frame, type, payload)], ``cop`` [(frame, payload)]; ``images`` [frames, taxels].
 
-    slip: list
+    ``slip``: of ``changes`` the starts of a slip, [(frame, payload)].
+    """
+
+    changes: list
     cop: list
     images: np.ndarray | None
+
+    @property
+    def slip(self):
+        return [(frame, payload) for frame, kind, payload in self.changes if kind == SLIP]
 
 
 class Hand:
@@ -68,9 +76,8 @@ class Hand:
 
 
 def of_channels(samples, config, moving=None, mask=None, change=None):
-    """Slip events of samples [frames, channels]; other arguments as in meissner.twins.slip.slip_path."""
-    slip, _ = payloads(slip_chain(samples, config, moving, mask, change))
-    return Expected(slip, [], None)
+    """Changes of samples [frames, channels]; other arguments as in meissner.twins.slip.slip_path."""
+    return Expected(*payloads(slip_chain(samples, config, moving, mask, change)), None)
 
 
 def of_array(array, samples, slip=None, over=None):
@@ -85,10 +92,11 @@ def of_array(array, samples, slip=None, over=None):
 
 
 def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
-    """CoP frames and slip events of samples [frames, 4]; ``slip``: CopSlipRegisters."""
+    """CoP frames and changes of samples [frames, 4]; ``slip``: CopSlipRegisters."""
     cops, decisions = sensor_cop4(samples, registers, terms, lag, slip)
-    events = [(n, OF_LOAD, octant, state) for n, (state, raised, octant) in enumerate(decisions) if raised]
-    return Expected(*payloads(events, cops), None)
+    state, raised, octant = np.array(decisions, dtype=int).reshape(-1, 1, 3).T
+    changes = [(frame, OF_LOAD, *of) for frame, _, *of in changes_of(state, raised != 0, octant)]
+    return Expected(*payloads(changes, cops), None)
 
 
 def samples_of(config, codes):

@@ -6,7 +6,8 @@
     minimum   = the command + gross_share of the grip at each gross slip, every ANSWER_S; then it falls by
                 floor_decay_share of the grip per second: a floor that follows the load
 
-With threshold_p2p_share the threshold is that share of Vc (1 - Vc/5 V) instead, every FOLLOW_S. It is calm if no look in the last ``guard_s`` found the grip raised by the share RISE since the look before.
+With threshold_p2p_share the threshold is that share of Vc (1 - Vc/5 V) instead, every FOLLOW_S. It
+is calm if no look in the last ``guard_s`` found the grip raised by the share RISE since the look before.
 docs/grip_scenes.md explains why these are shares, and why calm has its own settings. A scene without these
 keys keeps its step and decay, and so does a condition with its own step.
 """

@@ -113,7 +113,7 @@ class Grip:
 
     @property
     def config(self):
-        """The settings. Another mode resets the reflex: the command of one mode has no meaning in the other."""
+        """The settings. Another mode resets the reflex: a command has no meaning in the other mode."""
         return self._config
 
     @config.setter

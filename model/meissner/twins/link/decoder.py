@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from meissner.twins.link import packet as p
 from meissner.twins.link.cobs import MAX_BYTES, decode
+from meissner.twins.link.states import CHUNK
 
 
 @dataclass(frozen=True)
@@ -21,12 +22,27 @@ class Packet:
 
 def fields_of(kind, payload):
     """The payload's fields by name; {} for an unknown type; None if the length does not fit the type."""
-    size = {p.SLIP: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}.get(kind, len(payload))
+    size = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}.get(
+        kind, len(payload)
+    )
     if size != len(payload):
         return None
     if kind == p.SLIP:
         channel, low, high, state = struct.unpack("<HHBB", payload)
         return {"channel": channel, "p2p": low | high << 16, "state": state}
+    if kind == p.CHANGE:
+        channel, low, high, state = struct.unpack("<HHBB", payload)
+        told, late = state >> 4 & 7, bool(state >> 7)
+        return {"channel": channel, "p2p": low | high << 16, "state": state & 7, "told": told, "late": late}
+    if kind == p.STATES:
+        if len(payload) < 6:
+            return None
+        first, left = struct.unpack("<HH", payload[:4])
+        count = min(CHUNK, left)
+        if len(payload) != 4 + 2 * -(-count // 4):
+            return None
+        states = [byte >> shift & 7 for byte in payload[4:] for shift in (0, 4)]
+        return {"first": first, "left": left, "states": tuple(states[:count])}
     if kind == p.COP:
         x, y = (int.from_bytes(payload[at : at + 3], "little", signed=True) for at in (0, 3))
         load = int.from_bytes(payload[6:11], "little")

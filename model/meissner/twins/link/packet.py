@@ -1,10 +1,11 @@
 """Bit-exact twins of rtl/link/msn_packet.sv: the core's packets and their payloads; msn_packet_slip.sv: those
-of slip events of one channel; msn_crc32.sv: CRC-32, ISO-HDLC."""
+of one channel's changes; msn_crc32.sv: CRC-32, ISO-HDLC."""
 
 import struct
 import zlib
 
 from meissner.twins.link.images import cut
+from meissner.twins.link.states import report
 from meissner.twins.shared import within
 
 START, RESIDUE = 0xFFFFFFFF, 0xDEBB20E3
@@ -21,13 +22,13 @@ def crc32(values, bits=8, start=START):
     return crc
 
 
-SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
-KNOWN = (SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER)
+SLIP, COP, IMAGE, HEALTH, STATISTIC, CHANGE, STATES, ANSWER = 1, 2, 3, 4, 5, 6, 7, 16
+KNOWN = (SLIP, COP, IMAGE, HEALTH, STATISTIC, CHANGE, STATES, ANSWER)
 TIMES = 1 << 48  # a packet's time counts modulo this
 # The counters of a core's statistics by index, as msn_core joins them; docs/link.md has the same names.
 COUNTERS = (
     *("frames dropped", "overruns", "time-outs", "slip frames damaged", "slip blanked"),
-    *("CoP frames damaged", "images dropped", "commands rejected"),
+    *("CoP frames damaged", "images dropped", "commands rejected", "slip changes lost"),
 )
 
 
@@ -40,6 +41,26 @@ def packet(kind, number, time, payload):
 def slip_event(channel, p2p, state):
     """Payload: channel 16, peak-to-peak 24, state 8 bits."""
     return struct.pack("<HI", channel, p2p)[:5] + bytes([state])
+
+
+def state_change(channel, p2p, state, told, late=False):
+    """Payload: the same, with the state that the host had of the channel in bits 4 .. 6 of the last byte and
+    ``late`` in bit 7."""
+    return slip_event(channel, p2p, state | told << 4 | late << 7)
+
+
+def change_of(channel, p2p, change):
+    """(type, payload) of a twins.slip.slip_changes.Change."""
+    if change.start:
+        return SLIP, slip_event(channel, p2p, change.state)
+    return CHANGE, state_change(channel, p2p, change.state, change.told, change.late)
+
+
+def states(of_channels, first=0):
+    """Payloads of the states of all channels: first channel 16, channels left 16, four states per 16 bits."""
+    return [
+        struct.pack(f"<HH{len(words)}H", at, left, *words) for at, left, words in report(of_channels, first)
+    ]
 
 
 def cop_frame(x, y, load, pressed):
@@ -68,12 +89,10 @@ def image_chunks(number, taxels, chunk=64):
     return payloads
 
 
-def packets(events, p2p_bits=24):
-    """The packets of ``events``: tuples of time (of the convert start, clocks since reset), p2p, state."""
+def packets(changes, p2p_bits=24):
+    """The packets of ``changes`` of channel 0: (time of the convert start since reset, p2p, Change)."""
     within(p2p_bits=(p2p_bits, 1, 24))
-    if any(not 0 <= p2p < 1 << p2p_bits for _, p2p, _ in events):
+    if any(not 0 <= p2p < 1 << p2p_bits for _, p2p, _ in changes):
         raise ValueError(f"a peak-to-peak does not fit {p2p_bits} bits")
-    return [
-        packet(SLIP, number, time, slip_event(0, p2p, state))
-        for number, (time, p2p, state) in enumerate(events)
-    ]
+    found = [(time, *change_of(0, p2p, change)) for time, p2p, change in changes]
+    return [packet(kind, number, time, payload) for number, (time, kind, payload) in enumerate(found)]

@@ -9,7 +9,7 @@ TABLE = """
 core always What this core is
   000 id                   31:0  constant 4d534e52 -
   004 version.patch        7:0   constant 1        -
-  004 version.minor        15:8  constant 4        -
+  004 version.minor        15:8  constant 5        -
   004 version.major        31:16 constant 0        -
   008 features             31:0  features 0        -
   00c size.rows            15:0  status   0        -
@@ -125,6 +125,13 @@ link feature Packets
   908 cop_dropped          31:0  status   0        -
   90c image_dropped        31:0  status   0        -
   910 rejected             31:0  status   0        -
+  914 events.none          0:0   setting  1        at_frame
+  914 events.contact       1:1   setting  1        at_frame
+  914 events.incipient     2:2   setting  1        at_frame
+  914 events.gross         3:3   setting  1        at_frame
+  914 events.release       4:4   setting  1        at_frame
+  918 states               0:0   command  0        at_once
+  91c changes_lost         31:0  status   0        -
 grip feature Grip reflex
   a00 enable               0:0   setting  0        at_once
   a04 period               23:0  setting  f4240    at_once

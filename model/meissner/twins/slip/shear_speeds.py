@@ -46,7 +46,7 @@ class ShearSpeeds:
         self.last, self.windows, self.cycles = [(0, 1)] * channels, [0] * channels, MAX_CYCLES
 
     def commanded(self, increment):
-        """A control cycle changed the command by ``increment``; None: the reflex is off, or has no command."""
+        """A control cycle changed the command by ``increment``; None: the reflex has no command."""
         self.cycles = (
             MAX_CYCLES if increment is None else 0 if increment else min(MAX_CYCLES, self.cycles + 1)
         )
