@@ -45,7 +45,7 @@ class Bench:
         idle = {port._name: 0 for port in dut if port._name.endswith("_i") and port._name != "clk_i"}
         await bench.start(dut, **idle | {"out_ready_i": 1, "rx_i": 1})
         cocotb.start_soon(self._watch())
-        await bench.clocks(dut, 100)  # until the preset gains are written
+        await bench.clocks(dut, 100)
         return self
 
     async def _watch(self):

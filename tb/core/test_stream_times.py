@@ -91,7 +91,7 @@ async def begin(dut, stall=0.0):
     await bench.start(dut, **idle)
     watch = Watch(dut, stall)
     cocotb.start_soon(watch.run())
-    await bench.clocks(dut, 700)  # until the preset gains are written
+    await bench.clocks(dut, 700)
     return watch
 
 
