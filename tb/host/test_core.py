@@ -154,7 +154,9 @@ def test_a_field_leaves_its_neighbours_when_the_core_was_reset_before():
     model.restart()
     assert model.registers.setting("health", "use", "user") == 1
     core["health.use.edges"] = 0
-    assert core["health.use"] == 0 and model.registers.setting("health", "use", "user") == 0
+    assert core["health.use"] == 0
+    model.registers.commit()  # at a frame's start
+    assert model.registers.setting("health", "use", "user") == 0
 
 
 # For a core of 5 rows and 3 columns at level 2: 17 + 2 = 19 bits of a detail, 16 + 4 = 20 of a load (15

@@ -38,7 +38,7 @@ class Place:
 
     @property
     def writable(self) -> bool:
-        return self.register.writable if self.field is None else self.field.kind in ("setting", "command")
+        return self.register.writable and (self.field is None or self.field.kind in ("setting", "command"))
 
     @property
     def setting(self) -> bool:
