@@ -122,7 +122,7 @@ def expected(lines):
 
 def test_every_cell_is_written_and_written_again_after_a_reset():
     model, lines, said = Tables(), lines_of((3, 5)), []
-    with host.Core(line.Pipe(model), say=said.append) as core:
+    with host.Core(line.Pipe(model), say=said.append, timeout_s=30.0) as core:
         load(core, lines)
         assert (model.used, model.swaps) == (expected(lines), 1)
         list(core.packets(0.05))
@@ -142,6 +142,16 @@ def test_a_reset_while_it_is_written_begins_again():
         model.after = 7
         load(core, lines)
         assert model.used == expected(lines) and core.counts.restarts == 1
+
+
+def test_a_swap_that_is_sent_again_begins_again():
+    """The answer to the first swap is lost; the second puts the former table back into use."""
+    model, lines = Tables(), lines_of((3, 5))
+    honest = model.read
+    model.read = lambda n: b"" if (data := honest(n)) and model.swaps == 1 else data
+    with host.Core(line.Pipe(model)) as core:
+        load(core, lines)
+    assert model.used == expected(lines) and model.swaps >= 3
 
 
 @pytest.mark.parametrize("name", ["calibrate.word", "calibrate.offset", "calibrate.gain"])
