@@ -308,6 +308,9 @@ def test_the_log_keeps_the_least_load_of_the_configuration(tmp_path, monkeypatch
                 in capsys.readouterr().out
             )
             assert np.load("out.npz")["valid"].tolist() == 2 * valid
+    (tmp_path / "plain.toml").write_text(CONFIG)  # 0 N is known, too
+    cli.main(["log", "file:a.bin", "--config", "plain.toml", "--out", "b.npz"])
+    assert (log.read("b.npz")["min_load"], log.read("b.npz")["reset_min_load"].tolist()) == (0, [0])
 
 
 def test_each_boot_is_replayed_with_its_own_least_load(tmp_path):

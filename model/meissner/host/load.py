@@ -36,7 +36,9 @@ def load(core: Core, lines: Calibration) -> None:
         if _write(core, lines) and core.counts.restarts == restarts:
             break
     else:
-        raise OSError("the core was reset, or did not answer in time, in each attempt to write its calibration")
+        raise OSError(
+            "the core was reset, or did not answer in time, in each attempt to write its calibration"
+        )
     core.units = replace(core.units, newtons_per_code=lines.force_lsb_n)
     core.after_reset = lambda: _again(core, lines)
 
