@@ -131,6 +131,33 @@ def test_live_in_a_pipe(port):
     assert int(full[-1].split(" slip event")[0].split()[-1]) == len(lines) - len(full) > 0
 
 
+def test_live_begins_with_the_channels_states(meissner):
+    model = SimulatedCore()
+    model.states = [1, 2, 0, 1, 3]
+    with Pty(model) as pty:
+        _, out, _ = meissner("live", pty.url, "--seconds", 0.5)
+    assert "; 0 slip events, 4 in contact, 2 slipping; " in out.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    "port, config, baud",
+    [
+        ("serial:/dev/x", (), 3_000_000),
+        ("/dev/ttyX", ("--config", "grip"), 1_000_000),
+        ("serial:/dev/x?baud=9600", ("--config", "grip"), 9600),
+    ],
+)
+def test_the_baud_rate_is_the_lines_then_the_configurations(meissner, monkeypatch, port, config, baud):
+    opened = []
+
+    def device(path, rate):
+        opened.append(rate)
+        raise OSError("it is not there")
+
+    monkeypatch.setattr(line, "Device", device)
+    assert meissner("live", port, *config)[0] == 2 and opened == [baud]
+
+
 def test_live_on_a_terminal(port):
     """A real terminal shows slip, centre of pressure and the image."""
     ours, theirs = ptys.openpty()
