@@ -266,6 +266,20 @@ def test_run_writes_its_results_and_prints_the_same(tmp_path):
     )
 
 
+def test_run_begins_with_the_seed_given_or_1(tmp_path, monkeypatch):
+    seen = []
+
+    def stop(scene, engine, out, seed, *_):
+        seen.append(seed)
+        raise ValueError("enough")
+
+    monkeypatch.setattr(run, "run", stop)
+    for more in ((), ("--seed", "0"), ("--seed", "7")):
+        with pytest.raises(SystemExit):
+            cli.main(["run", "walk_25x5", "--out", str(tmp_path / "x"), *more])
+    assert seen == [1, 0, 7]
+
+
 def test_run_finds_the_slip_on_the_core(tmp_path):
     done = meissner("run", "acrylic_slip", "--engine", "rtl", "--json", "--out", "results", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
