@@ -156,20 +156,21 @@ module msn_scan_plan #(
 
   // A frame starts at its tick, or as soon as it can. Where state and enable are checked anyway, zero_q alone stands
   // for the tick, and the counters count a clock later: shorter paths to switch_o and to the carry chains.
-  // since_q counts up from a tick, back to back from a frame's start: after a change of the period, or of a bit of it by
-  // an upset, the next tick is at most a period away.
+  // since_q counts up from a tick, back to back from a frame's start: after a change of the period, or an upset, the
+  // next tick is at most a period away.
   logic [PeriodBits-1:0] since_q;
   logic                  zero_q;  // since_q is the period, or more: compared a clock ahead
   logic                  tick, want_q, late_q, waits_q;
-  logic                  first_q, find_q;  // the last switch was its frame's first; it was in the clock before
+  logic                  first_q, find_q;  // the last switch was its frame's first; it was a clock ago
   assign tick     = state_q != Off && cfg_enable_i && timed_q && zero_q;
-  assign due      = state_q == Free && open_q && (active_q || (cfg_enable_i && (!timed_q || want_q || zero_q)));
+  assign due      = state_q == Free && open_q &&
+                    (active_q || (cfg_enable_i && (!timed_q || want_q || zero_q)));
   assign switch_o = due && room_i;
   always_ff @(posedge clk_i) begin
-    if (state_q == Off || !cfg_enable_i)     since_q <= '0;
-    else if (zero_q)                         since_q <= PeriodBits'(1);
-    else if (find_q && first_q && !timed_q)  since_q <= PeriodBits'(2);
-    else                                     since_q <= since_q + 1'b1;
+    if (state_q == Off || !cfg_enable_i)    since_q <= '0;
+    else if (zero_q)                        since_q <= PeriodBits'(1);
+    else if (find_q && first_q && !timed_q) since_q <= PeriodBits'(2);
+    else                                    since_q <= since_q + 1'b1;
     zero_q <= state_q == Off || !cfg_enable_i || (zero_q ? last_q == '0 : since_q >= last_q);
     if (tick && !active_q) want_q <= 1'b1;
     if (switch_o) want_q <= 1'b0;

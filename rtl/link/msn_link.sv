@@ -159,8 +159,8 @@ module msn_link #(
     assign frames = Array ? {status_i.scan.lost, status_i.scan.overrun, status_i.scan.dropped} :
                     {status_i.adc.timeout, status_i.adc.overrun, status_i.adc.dropped};
     assign statistics = StatisticsBits'({
-        status_i.link.changes_lost, status_i.link.rejected, status_i.link.image_dropped, status_i.cop.damaged, status_i.slip.blanked,
-        status_i.slip.damaged, frames});
+        status_i.link.changes_lost, status_i.link.rejected, status_i.link.image_dropped,
+        status_i.cop.damaged, status_i.slip.blanked, status_i.slip.damaged, frames});
 
     logic       packet_begin, packet_valid, packet_ready, packet_last;
     logic [7:0] packet_data;
@@ -211,9 +211,9 @@ module msn_link #(
 
   // Signals that some builds do not use.
   logic unused;
-  assign unused = ^{cfg_i, status_i, convert_i, time_i, decision_i, cop_i, health_valid_i, health_i, image_valid_i,
-                    image_data_i, image_last_i, bus_done_i, bus_error_i, bus_rdata_i, rx_i, host_valid_i,
-                    host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i, answer_valid,
-                    answer, answer_ready, states_state};
+  assign unused = ^{cfg_i, status_i, convert_i, time_i, decision_i, cop_i, health_valid_i, health_i,
+                    image_valid_i, image_data_i, image_last_i, bus_done_i, bus_error_i, bus_rdata_i, rx_i,
+                    host_valid_i, host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i,
+                    answer_valid, answer, answer_ready, states_state};
 
 endmodule

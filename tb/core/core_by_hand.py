@@ -107,7 +107,7 @@ async def frame_of(dut, host, codes, rest):
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def every_bit_of_the_largest_array(dut):
     host = await begin(dut)
-    await Timer(pins.PERIOD_NS * (BEATS + 100), "ns")  # until the preset gains are written
+    await Timer(pins.PERIOD_NS * (BEATS + 100), "ns")
     await RisingEdge(dut.clk_i)
     assert await host.read("core.size") == [SIDE << 16 | SIDE]
     low = dict.fromkeys(JUMPING, 14_000)  # 51535 lower

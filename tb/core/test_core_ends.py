@@ -45,7 +45,7 @@ class Bench:
         idle = {port._name: 0 for port in dut if port._name.endswith("_i") and port._name != "clk_i"}
         await bench.start(dut, **idle | {"out_ready_i": 1, "rx_i": 1})
         cocotb.start_soon(self._watch())
-        await bench.clocks(dut, 100)  # until the preset gains are written
+        await bench.clocks(dut, 100)
         return self
 
     async def _watch(self):
@@ -85,7 +85,7 @@ class Bench:
                 while dut.in_ready_o.value != 1:
                     await RisingEdge(dut.clk_i)
         dut.in_valid_i.value = 0
-        await bench.clocks(dut, 400)
+        await bench.clocks(dut, 1700)  # a change of each taxel, too
         return self.packets[before:]
 
     async def image(self, codes, midway=None):

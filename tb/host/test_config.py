@@ -145,6 +145,7 @@ def test_what_was_written_in_builds_is_refused_with_the_new_key(base, unit, key)
     change = {f"{key}_{unit}": 0.01, f"{key}_p2p_{unit}": None}
     assert f"is now written {key}_p2p_{unit} = 0.01 (" in refused(base, "slip", f"{key}_{unit}", **change)
     assert "min_load_n = 0.3" in refused("cop4", "cop_slip", "min_n", min_n=0.3, min_load_n=None)
+    assert "lag_ms = 128" in refused("cop4", "cop_slip", "lag_s", lag_s=0.128, lag_ms=None)
 
 
 def test_the_other_tables_of_scenes_have_the_builds_keys():

@@ -386,7 +386,7 @@ def test_a_view_forgets_the_last_boot():
     shown.add(packets.Health(5, None, 12, 5))
     shown.add(packets.SlipEvent(5, None, 2, 3, 9, None))
     assert shown.add(packets.Statistics(5, None, 0, 7, boot=1)) == "the core was reset"
-    assert shown.line().startswith("no centre of pressure yet; 1 slip event, 0 in contact, 0 slipping; ")
+    assert shown.line().startswith("no centre of pressure yet; 1 slip event, 0 in contact, 0 slipping;")
     assert (shown.states, shown.health, list(shown.statistics.values())) == ({}, {}, [7])
     line = "the core was reset\n6 clocks: slip, channel 1, gross, peak-to-peak 9"
     assert shown.add(packets.SlipEvent(6, None, 1, State.GROSS, 9, None, boot=2)) == line

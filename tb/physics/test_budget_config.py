@@ -16,6 +16,8 @@ def build(name, **changes):
     table = tomllib.loads((config.FOLDER / f"{name}.toml").read_text("utf-8"))
     for key, values in changes.items():
         table[key] |= values
+    if not table.get("array", {}).get("tare", True):
+        table.pop("tare", None)
     return config.read("mine", table)
 
 
@@ -78,6 +80,8 @@ def test_an_array_is_that_of_the_same_numbers(gains, more, health):
     of = build("fingertip", array={"gains": gains, "health": health})
     found = array.of_config(of)
     assert found["total_clocks"] == 2 * 1441 + 3 * 480 - 24 + 5 + 1 + health + 14 + more
+    bare = array.of_config(build("fingertip", array={"health": health, "tare": False}))
+    assert bare["total_clocks"] == found["total_clocks"] - more - 1 and bare["terms_clocks"]["tare"] == 0
     assert (found["converters"], found["channels"], found["converters_needed"]) == (1, 3, 1)
     assert found["frames_per_second"] == pytest.approx(24e6 / 3 / 1441)
 

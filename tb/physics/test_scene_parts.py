@@ -142,7 +142,8 @@ _TAXELS = "mesh_loads patches plantar / cop.cop"
 IMPORTS = {
     "acrylic_slip": f"rubber plate disturbances / {_SLIP}",
     "shear_amount": f"rubber plate disturbances / {_SLIP}",
-    "grip_pour": f"rubber plate hand slide stepped / {_SLIP} actuate",
+    # With the converter's codes that mean a fault.
+    "grip_pour": f"rubber plate hand slide stepped / {_SLIP} actuate frontend",
     "cop_two_point": _MESH,
     # With all that reads a build's configuration, which gives it mesh, converter and detector.
     "cop_slip": f"grip plate rubber {_MESH} cop.cop_slip frontend link slip actuate",

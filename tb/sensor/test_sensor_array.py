@@ -67,7 +67,7 @@ async def everything_is_the_models(dut, pace):
     beats = frames.reshape(-1, LANES).tolist()
     per_frame = len(beats) // len(frames)
     forces, cops, reports, firsts, sent, quiet = [], [], [], [], 0, 0
-    await bench.clocks(dut, 100)  # until the preset gains are written
+    await bench.clocks(dut, 100)
     while quiet < 300:
         offer = sent < len(beats) and (held or source.random() >= gap)
         beat, place = beats[min(sent, len(beats) - 1)], sent % per_frame

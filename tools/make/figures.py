@@ -203,8 +203,8 @@ ROWS = {
         '`make fmax FMAX="slip1"`',
     ),
     "acrylic_slip": Row(
-        "pre-slip flag, acrylic, 2 N, 100 runs, ±0.01 read as 0.02 V peak to peak ([slip.md](slip.md)); depends "
-        "on chosen constants ([tradeoff.md](tradeoff.md))",
+        "pre-slip flag, acrylic, 2 N, 100 runs, ±0.01 read as 0.02 V peak to peak ([slip.md](slip.md)); "
+        "depends on chosen constants ([tradeoff.md](tradeoff.md))",
         scene(acrylic, "acrylic_slip"),
         run_of("acrylic_slip"),
     ),

@@ -143,10 +143,10 @@ def _rows(groups):
 
     def row(group, reg, low, width, kind, held, signed, place, value, name):
         applies = "AtOnce" if reg.applies == "-" else reg.applies.title().replace("_", "")
-        columns = f"{parameter(group) + ',':11} 10'h{reg.address >> 2:03x}, "
+        columns = f"{parameter(group) + ',':11}10'h{reg.address >> 2:03x}, "
         columns += " ".join(f"{number:6}" for number in (f"5'd{low},", f"6'd{width},"))
         columns += f" {kind + ',':9} {applies + ',':9} {held.capitalize() + ',':7} 1'b{int(signed)}, "
-        columns += f"12'd{f'{place},':5} 32'h{value:x}"
+        columns += f"12'd{place}, 32'h{value:x}"
         rows.append((columns, name))
 
     for group in groups:

@@ -80,7 +80,7 @@ class Keys(base.Keys):
 
     @classmethod
     def unknown(cls, key, value):
-        if key in ("mesh", "converter", "load", "cop_slip", "rate_hz"):
+        if key in ("mesh", "converter", "load", "cop_slip", "slip", "rate_hz"):
             return f"'{key}' belongs in the configuration that 'build' names (docs/config.md)"
         return None
 
