@@ -47,6 +47,9 @@ def test_as_it_is_all_is_held(sound):
         }
         assert summary["dropped_rate"]["high"] == pytest.approx(1 - 0.025 ** (1 / RUNS), abs=1e-6)
         assert summary["cycles_with_fault"] == 0 and summary["slip_mm_max"] < 0.01
+        for key in ("grip_ratio_mean", "moved_mm_max", "slip_mm_max"):
+            assert summary[key] == row(summary)[key], key
+        assert (summary["runs"], summary["seeds"]) == (RUNS, [1, RUNS])
     found = row(sound["grip_pour"])
     assert found["tightenings"] > 100 and found["false_tightenings"] < 0.05 * found["tightenings"]
     assert 1.0 < found["grip_ratio_mean"] < 1.2

@@ -64,6 +64,31 @@ def test_process_slip(tmp_path, recording, engine, name):
         assert np.array_equal(result[field], expected[field])
 
 
+def test_process_slip_says_when_the_first_flag_rises_in_any_channel(tmp_path, monkeypatch, capsys):
+    """Windows of 64 samples: a step before sample 11 of the second channel, before 139 of the first."""
+    monkeypatch.chdir(tmp_path)
+    x = np.zeros((2, 256), int)
+    x[0, 139:] = x[1, 11:] = 100
+    np.save("in.npy", x)
+    cli.main([str(word) for word in slip("in.npy")])
+    assert capsys.readouterr().out.startswith("2 channels, 4 windows, 2 slips (first at 0.0011 s); ")
+
+
+def test_process_cop_takes_the_least_load(tmp_path, monkeypatch):
+    """Loads of 9, 10 and 11 codes, given as forces and as codes with a gain of 1."""
+    monkeypatch.chdir(tmp_path)
+    np.save("in.npy", np.array([[[4, 5]], [[5, 5]], [[5, 6]]]))
+    one = np.ones((1, 2), int)
+    with open("cal.npz", "wb") as file:
+        calibration.Calibration(0 * one, 4096 * one, 12, one < 0, 0.5).save(file)
+    for more in ((), ("--calibration", "cal.npz")):
+        cli.main([*cop("in.npy", *more), "--min-load", "10", "--overwrite"])
+        assert np.load("out.npz")["valid"].tolist() == [False, True, True]
+        assert "load_n" not in np.load("out.npz") or np.load("out.npz")["load_n"].tolist() == [4.5, 5, 5.5]
+    cli.main([*cop("in.npy"), "--overwrite"])
+    assert np.load("out.npz")["valid"].all()
+
+
 @pytest.mark.parametrize("engine", engines.NAMES)
 def test_process_cop(tmp_path, engine):
     x = np.random.default_rng(1).integers(0, 65536, (7, 25, 5))
@@ -128,7 +153,13 @@ def test_calibrate_tells_what_is_not_on_a_line(tmp_path):
     told = done.stdout.splitlines()
     assert told[0].startswith("1×3 cells from 24 frames, none dead; ") and len(told) == 3
     assert told[1] == "left out: 6 readings at the converter's end, code 1023, from 9 N on"
-    assert told[2].startswith("2 cells bend: load_n of `process cop` reads their tables, which deviate by ")
+    lines = calibration.load(tmp_path / "new.npz")
+    read = [np.interp(codes[:, 0, k], lines.knot_codes[:, 0, k], lines.knot_n[:, 0, k]) for k in (1, 2)]
+    apart = [((one - newtons) ** 2).mean() ** 0.5 for one in read]
+    assert told[2] == (
+        "2 cells bend: load_n of `process cop` reads their tables, which deviate by "
+        f"{sum(apart) / 2:.3g} N rms in the median, {max(apart):.3g} N at most"
+    )
     done = meissner(*cop("codes.npy", "--calibration", "new.npz"), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     result, early = np.load(tmp_path / "out.npz"), slice(10)
@@ -149,6 +180,17 @@ def test_calibrate_takes_the_forces_from_another_file(tmp_path):
         assert (done.returncode, done.stderr) == (0, "")
         a, b = (np.load(tmp_path / out) for out in ("a.npz", "b.npz"))
         assert a.files == b.files and all(np.array_equal(a[key], b[key]) for key in a.files)
+
+
+def test_calibrate_takes_an_lsb_and_the_converters_bits(tmp_path):
+    """Codes up to 511 look like a full converter of 9 bits; of 12 bits they are no end."""
+    force_n = np.arange(6.0)[:, None, None]
+    np.savez(tmp_path / "press.npz", codes=(11 + 100 * force_n).astype(int), force_n=force_n)
+    for more, lsb_n, left_out in (((), 0.001, 1), (("--adc-bits", 12, "--lsb", 0.01), 0.01, 0)):
+        done = meissner(*calibrate("press.npz", *more, "--overwrite"), cwd=tmp_path)
+        assert (done.returncode, done.stdout.count("left out: 1 readings")) == (0, left_out), done.stderr
+        lines = calibration.load(tmp_path / "new.npz")
+        assert (lines.force_lsb_n, lines.gain[0, 0]) == (lsb_n, round(40.96 / lsb_n))
 
 
 def test_calibrate_names_the_dead_cells(tmp_path):
@@ -222,6 +264,20 @@ def test_run_writes_its_results_and_prints_the_same(tmp_path):
     assert "nothing slips here, so each flag is a false alarm: no flag in any run" in "\n".join(
         run.tell(scenes.load("normal_force"), printed)
     )
+
+
+def test_run_begins_with_the_seed_given_or_1(tmp_path, monkeypatch):
+    seen = []
+
+    def stop(scene, engine, out, seed, *_):
+        seen.append(seed)
+        raise ValueError("enough")
+
+    monkeypatch.setattr(run, "run", stop)
+    for more in ((), ("--seed", "0"), ("--seed", "7")):
+        with pytest.raises(SystemExit):
+            cli.main(["run", "walk_25x5", "--out", str(tmp_path / "x"), *more])
+    assert seen == [1, 0, 7]
 
 
 def test_run_finds_the_slip_on_the_core(tmp_path):

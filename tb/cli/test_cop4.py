@@ -51,6 +51,16 @@ def test_process_cop4(tmp_path, codes, engine, name):
     assert result["load"][1:4] / 1e3 == pytest.approx([1, 2, 5], rel=0.03)
 
 
+def test_process_cop4_counts_each_kind_of_fault(tmp_path, codes):
+    """E1 without its current, which unbalances N too; then N alone twice; then no load and no fault."""
+    faulty = codes[[2, 2, 2, 0]].copy()
+    faulty[0, 0] = codes[0, 0]
+    faulty[1:3, [0, 2]] -= 60_000
+    np.save(tmp_path / "in.npy", faulty)
+    done = meissner(*cop4(), cwd=tmp_path)
+    assert done.stdout.startswith("4 samples, 0 with a load; faults: 0 saturated, 1 open, 3 out of balance; ")
+
+
 # Keys with bad values; in brackets the word that the sentence must hold, if it is not the key.
 MISTAKES = """
 rows = 0 | 1025 | "41" | 40.5

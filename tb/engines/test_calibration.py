@@ -111,6 +111,12 @@ def test_every_form_of_a_recording_says_the_same():
     assert np.array_equal(cell_forces(whole, shape), whole)
     probed = np.array([[-1, -1], [0, 1], [0, 1], [1, 0], [1, 1], [1, 1], [0, 0], [-1, -1], [1, 0]])
     force = np.where((probed == -1).all(axis=1), 0.0, each)
+    for rows, columns in ((2, 4), (4, 2)):  # the last cell, and one beyond it
+        last = np.array([[rows - 1, columns - 1]])
+        assert cell_forces([3.0], (1, rows, columns), last)[0, -1, -1] == 3.0
+        for beyond in ([1, 0], [0, 1]):
+            with pytest.raises(ValueError, match=f"outside {rows}×{columns}"):
+                cell_forces([3.0], (1, rows, columns), last + beyond)
     known = cell_forces(force, shape, probed)
     assert (known[[0, 7]] == 0).all()
     for k, (row, column) in enumerate(probed):
@@ -250,6 +256,13 @@ def test_an_lsb_that_makes_forces_wrong_is_refused_with_one_that_fits(slope, lar
     coarse = 0.02 * largest if says is None else 1e-3 * largest
     assert forces == pytest.approx(largest * np.arange(5) / 4, abs=max(coarse, lsb / 2 + 1 / slope))
     assert deviation_n[0, 0] == pytest.approx(np.sqrt(np.mean((forces - largest * np.arange(5) / 4) ** 2)))
+
+
+@pytest.mark.parametrize("largest, lsb", [(43.69, 0.001), (43.70, 0.002)])
+def test_the_range_of_forces_is_half_as_much_again(largest, lsb):
+    """65535 codes of 1 mN are 1.5 times 43.69 N. One code of the converter is 1 mN."""
+    answer, _ = fit(*even(lambda n: 1000 * n, forces=largest * np.arange(5) / 4))
+    assert (answer.force_lsb_n, answer.gain[0, 0]) == (lsb, round(4.096 / lsb))
 
 
 def test_no_lsb_holds_cells_that_differ_by_too_much():

@@ -139,6 +139,9 @@ def test_statistics_are_of_all_runs():
     assert (row["lead_ms_median"], row["lead_ms_min"]) == (150.0, 100.0)
     assert row["detector_ms_max"] == 2.0 and row["contact_wrong_share"] == 0.375
     assert row["contact_share_of_sliding"] == round(3.1 / 3.5, 6)
+    far = found | {"delay_s": 0.013, "lead_s": 0.9}
+    row = judging.statistics(SimpleNamespace(name="x"), [found, later, far])
+    assert (row["delay_ms_median"], row["delay_ms_mean"], row["lead_ms_median"]) == (5.0, 7.0, 200.0)
     tardy = found | {"missed": True, "late": True, "delay_s": 0.5, "lead_s": -0.3}
     row = judging.statistics(SimpleNamespace(name="x"), [tardy, found])
     assert (row["missed"], row["late"], row["delay_ms_max"], row["lead_ms_min"]) == (1, 1, 500.0, -300.0)

@@ -131,6 +131,8 @@ def test_array_by_hand():
     assert array.forces(codes).tolist() == [[[3, 2, 0]]]
     found = array.process(codes)
     assert (found.sum.tolist(), found.x.tolist(), found.y.tolist()) == ([5], [-9830], [0])  # -3/5
+    valid = [meissner.Array(LINES, min_load=least).process(codes).valid.tolist() for least in (5, 6)]
+    assert valid == [[True], [False]]
 
 
 def test_cop4_is_what_the_voltages_say():

@@ -131,6 +131,33 @@ def test_live_in_a_pipe(port):
     assert int(full[-2].split(" slip event")[0].split()[-1]) == above > 0
 
 
+def test_live_begins_with_the_channels_states(meissner):
+    model = SimulatedCore()
+    model.states = [1, 2, 0, 1, 3]
+    with Pty(model) as pty:
+        _, out, _ = meissner("live", pty.url, "--seconds", 0.5)
+    assert "; 0 slip events, 4 in contact, 2 slipping; " in out.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    "port, config, baud",
+    [
+        ("serial:/dev/x", (), 3_000_000),
+        ("/dev/ttyX", ("--config", "grip"), 1_000_000),
+        ("serial:/dev/x?baud=9600", ("--config", "grip"), 9600),
+    ],
+)
+def test_the_baud_rate_is_the_lines_then_the_configurations(meissner, monkeypatch, port, config, baud):
+    opened = []
+
+    def device(path, rate):
+        opened.append(rate)
+        raise OSError("it is not there")
+
+    monkeypatch.setattr(line, "Device", device)
+    assert meissner("live", port, *config)[0] == 2 and opened == [baud]
+
+
 def test_live_on_a_terminal(port):
     """A real terminal shows slip, centre of pressure and the image."""
     ours, theirs = ptys.openpty()
@@ -350,8 +377,8 @@ def test_view_of_everything():
     assert shown.line().startswith("not pressed, load 3; 2 slip events, 1 in contact, 1 slipping;")
     change = packets.StateChange(7, 0.007, 65535, 1, 3, None, None, 2, True)
     assert shown.add(change) == "0.0070 s: channel load, incipient to contact, late, peak-to-peak 3"
-    assert shown.add(packets.States(8, None, 0, (0, 3, 1))) is None
-    assert "2 slip events, 3 in contact, 1 slipping;" in shown.line()
+    assert shown.add(packets.States(8, None, 0, (0, 2, 1, 3))) is None
+    assert "2 slip events, 4 in contact, 2 slipping;" in shown.line()
     assert shown.add(packets.Health(5, None, 12, 5)) == "5 clocks: taxel 12 faults 0b101"
     shown.add(packets.Statistics(5, None, 2, 99))
     shown.add(packets.Image(5, None, 1, np.ones((2, 2), np.uint16), None))
@@ -369,5 +396,8 @@ def test_view_of_everything():
         "2×2",
     ):
         assert part in text, part
+    rows = [line.split() for line in text.splitlines() if line.startswith("│")]
+    listed = [row[1] for row in rows if row[2] in ("gross", "incipient", "contact", "none", "state")]
+    assert listed == ["channel", "3", "1", "2", "load", "0", "70"]  # what slips first
     shown.add(packets.CopFrame(9, 1.0, 0.5, -0.5, 3, True, 1.0, -1.0, 0.25))
     assert shown.line().startswith("x +0.500 y -0.500 (+1.00, -1.00 mm), load 0.250 N")

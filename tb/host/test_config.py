@@ -7,6 +7,8 @@ import tomllib
 from fractions import Fraction
 from itertools import product
 from math import floor
+from pathlib import Path
+from types import SimpleNamespace
 from typing import get_args
 
 import msgspec
@@ -283,6 +285,10 @@ def test_levels_that_undo_each_other_are_refused(name, key, good, bad):
         (SHEARED, None, "shear_speed", "vi_min_v", 0.0, -0.01),
         (SHEARED, None, "shear_speed", "noise_v", 5.0, 5.01),
         (SHEARED, None, "shear_speed", "still_v", 5.0, 5.01),
+        # Half a step of a level, 5 V / 4096 / 512 / 2 = 1.1921 uV, and of 1/2^20 mm in windows of 6.4 ms.
+        *((SHEARED, None, "shear_speed", key, 1.193e-6, 1.192e-6) for key in ("noise_v", "still_v")),
+        (SHEARED, None, "shear_speed", "travel_mm", 3.06e-9, 3.05e-9),
+        *((SHEARED, None, "shear_speed", key, 0.0, 1e-9) for key in ("noise_v", "still_v", "travel_mm")),
         (SHEARED, None, "shear_speed", "n", 1.0, 1.01),
         (SHEARED, None, "shear_speed", "travel_mm", 1.0, 1.01),
         # At Vi = 4 V the rise at 1 mm/s is k0 - 1.08 V: below the converter's 5.
@@ -309,6 +315,27 @@ def test_codes_at_the_ends_of_what_occurs():
     assert read("slip1", "slip", gross_threshold_p2p_v=7.06934).slip.gross_threshold == 8189
     assert read(RISES, "slip", contact_level_v=3.29939).slip.contact_level == 8190
     assert read(CHANNELS, "slip", keep_threshold_p2p_v=0.02).slip.keep_threshold == 35  # 35.1
+
+
+def test_names_are_in_order(monkeypatch):
+    files = [Path(f"{name}.toml") for name in "cab"]
+    monkeypatch.setattr(config, "FOLDER", SimpleNamespace(glob=lambda _: files))
+    assert config.names() == ["a", "b", "c"]
+
+
+@pytest.mark.parametrize("gains, most", [("taxel", 4080), ("row_column", 65_278)])
+def test_the_largest_force_of_8_bits(gains, most):
+    """255 codes times 65535/4096, or times its square: 4079.94 and 65278.01."""
+    adc = {"part": "MAX11123", "volts": 3.3, "rate_hz": 100.0}
+    base = ARRAY | {"adc": adc, "array": {"gains": gains, "newtons_per_count": 0.001}}
+    least = 30 * most / 1000
+    assert read(base, "cop", min_load_n=least).settings["cop.min_load"] == 30 * most
+    refused(base, "cop", "min_load_n", min_load_n=least + 0.001)
+
+
+@pytest.mark.parametrize("part", [part for part in keys.PARTS if part != "AD7606"])
+def test_four_wires_refuse_a_converter_from_0_v_on(part):
+    refused("cop4", "adc", f"part = '{part}'", part=part, volts=3.3)
 
 
 def test_health_wants_whole_beats():

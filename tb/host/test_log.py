@@ -68,8 +68,9 @@ GAP = packets.Gap("the cable was out", 1.5)
 
 @pytest.mark.parametrize("kind", ["npz", "mcap"])
 def test_everything_is_in_the_log(tmp_path, kind):
-    kept = logged(tmp_path / f"a.{kind}", units.Units(newtons_per_code=0.25), [GAP])
-    assert len(kept) == 13
+    more = [GAP, packets.States(4530, None, 300, (2, 4))]
+    kept = logged(tmp_path / f"a.{kind}", units.Units(newtons_per_code=0.25), more)
+    assert len(kept) == 14
     found = log.read(tmp_path / f"a.{kind}")
     cop = engines.process_cop(FRAMES, "fixed")
     assert np.array_equal(found["image"], FRAMES) and found["image"].dtype == np.uint16
@@ -88,7 +89,8 @@ def test_everything_is_in_the_log(tmp_path, kind):
         **{"change_time": [4500, 4510], "change_channel": [65535, 7], "change_state": [3, 4]},
         **{"change_before": [1, 3], "change_p2p": [(1 << 24) - 1, 0x30201], "change_late": [False, True]},
         **{"change_start": [True, False]},
-        **{"state_time": [4520] * 3, "state_channel": [0, 1, 2], "state_state": [1, 0, 3]},
+        **{"state_time": [4520] * 3 + [4530] * 2, "state_channel": [0, 1, 2, 300, 301]},
+        **{"state_state": [1, 0, 3, 2, 4]},
         **{"health_time": [4600], "health_taxel": [(1 << 24) - 1], "health_faults": [255]},
         **{"statistics_time": [4700], "statistics_index": [255], "statistics_value": [(1 << 32) - 1]},
     }
@@ -180,35 +182,47 @@ def test_the_message_is_what_the_file_says():
     assert "MSG: std_msgs/Header" in text and "MSG: builtin_interfaces/Time" in text
 
 
-def test_stamps_after_a_reset_go_on():
-    """The time stands still, so the reset follows its last packet, and the core's 0 is the reset's time."""
+class Kept:
+    def __init__(self):
+        self.stamps = []
 
-    class Kept:
-        def __init__(self):
-            self.stamps = []
+    def add(self, stamp_ns, item):
+        self.stamps.append(stamp_ns)
 
-        def add(self, stamp_ns, item):
-            self.stamps.append(stamp_ns)
+    def tell(self, facts):
+        pass
 
-        def tell(self, facts):
-            pass
+    def flush(self, facts):
+        pass
 
-        def flush(self, facts):
-            pass
 
+@pytest.mark.parametrize(
+    "times, reset, stamps",
+    [
+        # Reset one hour after its first reset; the reset follows its last packet, and 0 is the reset's time.
+        ((3_600_000_000, 5, 25), 1, (0, 1, 5_001, 25_001)),
+        # The 48 bits wrap around: 5 clocks on, then one that waited.
+        (((1 << 48) - 1, 4, (1 << 48) - 3, 6), None, (0, 5_000, -2_000, 7_000)),
+    ],
+)
+def test_stamps_by_hand(times, reset, stamps):
+    """The time stands still; a clock is 1 us."""
     model, kept = SimulatedCore(clk_khz=CLK_KHZ), Kept()
     core = host.Core(line.Pipe(model), say=lambda _: None)
     with mock.patch.object(log, "time", STOPPED):
         recording = log.Log(kept, core)
-    for at in (3_600_000_000, 5, 25):  # reset again one hour after its first reset
-        if at == 5:
+    for place, at in enumerate(times):
+        if place == reset:
             model.restart()
-        model.say(p.STATISTIC, at, p.statistic(0, 0))
+        kind, payload = (
+            (p.HEALTH, p.health(1, 1)) if place == 2 and not reset else (p.STATISTIC, p.statistic(0, 0))
+        )
+        model.say(kind, at, payload)
         with mock.patch.object(log, "time", STOPPED):
             for item in core.packets(0.05):
                 recording.add(item)
-    assert core.counts.restarts == 1
-    assert kept.stamps == [NOW, NOW + 1, NOW + 5_001, NOW + 25_001]
+    assert core.counts.restarts == (reset is not None)
+    assert kept.stamps == [NOW + stamp for stamp in stamps]
 
 
 @pytest.mark.parametrize("name", ["a.npz", "a.mcap"])

@@ -12,11 +12,13 @@ import pytest
 
 from meissner import cli, host
 from meissner.builds import units
+from meissner.host import boots as boots_module
 from meissner.host import line, log, packets, view
 from meissner.host.pty import Pty
 from meissner.host.replay import differences, replay
 from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import packet as p
+from meissner.twins.link.decoder import Packet
 from meissner.twins.slip.slip import State
 
 KNOWN = units.Units(clk_khz=1000, rows=2, columns=3)
@@ -195,6 +197,22 @@ def test_lost_packets_are_no_reset(seed):
     assert core.counts.restarts == 0
 
 
+@pytest.mark.parametrize(
+    "last, since, first",
+    [
+        (239, 16 * 600 - 1, True),  # 16 packets of 15 bytes, 10 bits of 4 clocks each, in fewer clocks
+        (239, 16 * 600, False),
+        (240, 1, False),  # 15 packets may be noise
+        (5, 250 * 600 - 1, True),
+        (5, 250 * 600, False),
+    ],
+)
+def test_number_0_sooner_than_the_line_could_carry_what_is_missing(last, since, first):
+    seen = boots_module.Boots()
+    seen.next(Packet(p.COP, last, 1_000_000, b"", {}))
+    assert seen.next(Packet(p.HEALTH, 0, 1_000_000 + since, b"", {})) == (first, 0 if first else 255 - last)
+
+
 def test_the_time_wraps_without_a_reset():
     """2^48 clocks end between two frames, and an image of the frame before comes after the CoP behind it."""
     stream, end = Boots().reset(), 1 << 48
@@ -308,6 +326,9 @@ def test_the_log_keeps_the_least_load_of_the_configuration(tmp_path, monkeypatch
                 in capsys.readouterr().out
             )
             assert np.load("out.npz")["valid"].tolist() == 2 * valid
+    (tmp_path / "plain.toml").write_text(CONFIG)  # 0 N is known, too
+    cli.main(["log", "file:a.bin", "--config", "plain.toml", "--out", "b.npz"])
+    assert (log.read("b.npz")["min_load"], log.read("b.npz")["reset_min_load"].tolist()) == (0, [0])
 
 
 def test_each_boot_is_replayed_with_its_own_least_load(tmp_path):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from meissner.physics.adc import PARTS, Adc, LowPass, old_rows
+from meissner.physics.adc import PARTS, Adc, LowPass, old_rows, unsettled
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -87,3 +87,18 @@ def test_a_range_between_two_takes_the_wider():
     found = {volts: of(volts) for volts in (1.0, 5.0, 5.01, 10.0, 12.0, None)}
     assert found == {1.0: [5.0], 5.0: [5.0], 5.01: [10.0], 10.0: [10.0], 12.0: [10.0], None: [5.0, 10.0]}
     assert old_rows("MCP3208", 0.0) == []
+
+
+def test_what_is_said_of_a_row_that_has_not_settled():
+    """1 % is settled. ln(100 sqrt(2)) / (sqrt(2) pi f) is 74.30 us at 15 kHz and 48.46 us at 23 kHz."""
+    rows = [
+        {"range_v": 5.0, "corner_hz": 15e3, "left": 0.01},
+        {"range_v": 10.0, "corner_hz": 23e3, "left": 0.0},
+    ]
+    assert unsettled("ad7606", 5e-6, rows) == unsettled("mcp3208", 5e-6, []) == ""
+    rows[0]["left"] = 0.0101
+    assert unsettled("ad7606", 5e-6, rows).endswith("1 % is left after 75 us")
+    rows[0]["left"], rows[1]["left"] = 0.0, 0.0101
+    told = unsettled("ad7606", 5e-6, rows)
+    assert "leaves 0 % (±5 V, 15 kHz) or 1.01 % (±10 V, 23 kHz) of the old row 5 us after" in told
+    assert unsettled("ad7606", 5e-6, rows[1:]).endswith("1 % is left after 49 us")

@@ -8,6 +8,7 @@ import json
 import pytest
 
 from harness.command import meissner
+from meissner import cli
 from meissner.budget import array as budget
 from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208
 
@@ -104,6 +105,37 @@ def test_the_command_prints_what_the_function_finds():
     assert "above 1 ms" in text and "no number of these converters" in text
     few = meissner("budget", "--rows", "64", "--cols", "64", "--converters", "2").stdout
     assert "1 ms needs 8 of these" in few
+
+
+@pytest.mark.parametrize(
+    "given, change",
+    [
+        ("--no-health", {"health": False}),
+        ("--no-tare", {"tare": False}),
+        ("--sclk-khz 8000", {"sclk_khz": 8000}),
+        ("--settle-us 2.5", {"settle_us": 2.5}),
+        ("--channels 3", {"channels": 3}),
+        ("--converters 2", {"converters": 2}),
+        ("--bits-per-clock 1", {"bits_per_clock": 1}),
+        ("--clock 50e6", {"clock_hz": 50e6}),
+        ("--adc max11125", {"part": MAX11125}),
+        (
+            "--demod --sample-period 600 --periods 5 --skip 3 --adc max11125",
+            {"carrier": {"sample_period": 600, "periods": 5, "skip": 3}, "part": MAX11125},
+        ),
+    ],
+)
+def test_every_option_of_the_command_counts(capsys, given, change):
+    usual = {"rows": 6, "columns": 10, "clock_hz": 100e6, "part": AD7606}
+    cli.main(["budget", "--rows", "6", "--cols", "10", "--json", *given.split()])
+    assert json.loads(capsys.readouterr().out) == budget.budget(**usual | change) != budget.budget(**usual)
+
+
+def test_a_millisecond_is_within_one(monkeypatch):
+    total_s = budget.budget(8, 8, 100e6, AD7606, 1)["total_s"]
+    for most_s, within in ((total_s, True), (total_s * (1 - 1e-12), False)):
+        monkeypatch.setattr(budget, "BUDGET_S", most_s)
+        assert budget.budget(8, 8, 100e6, AD7606, 1)["within_1_ms"] is within
 
 
 @pytest.mark.parametrize(

@@ -86,6 +86,14 @@ def test_an_array_is_that_of_the_same_numbers(gains, more, health):
     assert found["frames_per_second"] == pytest.approx(24e6 / 3 / 1441)
 
 
+@pytest.mark.parametrize("change, least", [({}, 1), ({"sclk_khz": 100}, None), ({"settle_us": 300.0}, None)])
+def test_the_converters_needed_are_those_of_its_own_clock_and_settling(change, least):
+    """Four rows of four inputs: 16 words of 20 bits at 100 kHz are 3.2 ms, four settlings 1.2 ms."""
+    adc = {"rate_hz": 120.0, "channels": 4} | change
+    found = array.of_config(build("fingertip", adc=adc, sensor={"rows": 4, "columns": 4}))
+    assert found["converters_needed"] == least
+
+
 def test_every_named_configuration_and_a_file_of_ones_own_have_a_budget(tmp_path):
     for name in config.names():
         assert meissner("budget", "--config", name).stdout.splitlines()[0].startswith("from ")

@@ -151,6 +151,14 @@ def test_bits_and_gain_buy_resolution():
     )
 
 
+def test_the_most_bits_are_asked_for_too(monkeypatch):
+    mesh = Mesh(5, 5, 47.0)
+    bits = budget.budget(mesh)["needed"][0]["bits"]
+    for most, needed in ((bits, bits), (bits - 1, None)):
+        monkeypatch.setattr(budget, "BITS", (4, most))
+        assert budget.budget(mesh, bits=most)["needed"][0] == {"gain": 1, "bits": needed}
+
+
 @pytest.mark.parametrize("m, n", [(1, 1), (1, 9), (9, 1), (2, 2), (1024, 1024)])
 def test_every_size_has_an_answer(m, n):
     found = budget.budget(Mesh(m, n, 10.0))

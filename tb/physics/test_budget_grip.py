@@ -3,12 +3,14 @@ sliding window of 64, and one more if a period ends just before; tb/core/test_gr
 needs 10. The command prints the terms, and refuses a configuration without a reflex."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 
 import pytest
 
 from harness.command import meissner
+from meissner import cli
 from meissner.budget import grip
 from meissner.builds import config
 
@@ -37,7 +39,7 @@ def test_the_terms_are_those_of_the_pages(slip, clocks):
     assert found["total_clocks"] == sum(found["terms_clocks"].values()) == clocks
     assert found["within_16"] and found["wait_clocks"] == 240_000
     found = grip.of_config(build(**slip))
-    assert found["total_clocks"] == clocks + 1 <= 16 and found["wait_clocks"] == 0
+    assert found["total_clocks"] == clocks + 1 <= 16 and found["wait_clocks"] == 0 and found["within_16"]
     assert found["total_s"] == pytest.approx((clocks + 1) / 24e6)
 
 
@@ -74,6 +76,26 @@ def test_the_command_prints_it():
     ):
         done = meissner("budget", *arguments)
         assert done.returncode != 0 and said in done.stderr and "Traceback" not in done.stderr
+
+
+def test_the_waits_of_a_speed_of_shear(tmp_path, capsys):
+    """Windows of 64 samples at 4 kHz; eight of them at rest; 0.02 mm at 2.5 mm/s and at 0.025."""
+    text = (config.FOLDER / "grip.toml").read_text()
+    (tmp_path / "mine.toml").write_text(
+        re.sub("rate_hz = .*", "rate_hz = 4000.0", text)
+        + "[shear_speed]\nlimit_mm_s = 2.5\ntravel_mm = 0.02\n"
+    )
+    cli.main(["budget", "--config", str(tmp_path / "mine.toml"), "--json"])
+    both = json.loads(capsys.readouterr().out)
+    assert set(both) == {"grip", "shear_speed"}
+    found = both["shear_speed"]
+    assert (found["total_clocks"], found["window_s"], found["settle_s"]) == (60, 0.016, 0.128)
+    assert [found["travel_mm"], *found["travel_s"]] == pytest.approx([0.02, 0.008, 0.8], rel=1e-5)
+    cli.main(["budget", "--config", str(tmp_path / "mine.toml")])
+    assert (
+        "before it: a window of 16 ms; 128 ms at rest;\n0.02 mm of shear, 0.008 s at the limit, 0.8 s at"
+        in capsys.readouterr().out
+    )
 
 
 def test_a_window_that_waits_says_for_how_long():

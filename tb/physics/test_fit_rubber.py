@@ -173,6 +173,21 @@ def test_the_command_prints_constants_intervals_residuals_and_toml(tmp_path, cap
         assert settings[name] == pytest.approx(int(value), rel=1e-5, abs=1), name
 
 
+def test_what_is_said_of_a_fit():
+    """1.01^(1/0.17) is 1.0603, and 1.31/0.19 is 6.895. The seventh step, 2.5 V at 0.07 mm/s, is raised."""
+    told = fit_rubber.tell(fit(steps()))
+    assert "1 % of dV is 6 % of v" in told and "k0 + k1·Vi is 0 at Vi = 6.89 V" in told
+    rows = steps()
+    rows.step_v[6] *= 1.1
+    found = fit(rows)
+    k0, k1, n = found.value
+    off = [step / ((k0 + k1 * rest) * speed**n) - 1 for rest, step, speed in zip(*rows)]
+    assert (
+        f"residuals of dV: {100 * (sum(x * x for x in off) / 12) ** 0.5:.2g} % rms (12 degrees of freedom), "
+        f"{100 * off[6]:+.2g} % at most, step 7 (2.50 V, 0.07 mm/s)"
+    ) in fit_rubber.tell(found)
+
+
 def test_what_no_core_holds_is_no_table():
     """A speed of 20 mm/s is beyond the register's 16; an exponent of 1/0.02 beyond 32."""
     fast = fit(steps(speeds=[8 * speed for speed in SPEEDS]))
@@ -184,7 +199,7 @@ def test_what_no_core_holds_is_no_table():
     assert tomllib.loads(steep[steep.index("# dV =") :]) == {} and "# k0_v = " in steep
 
 
-def test_the_registers_by_hand():
+def test_the_registers_by_hand(tmp_path, capsys):
     """A level has 512 per code, k1 has 16 bits of fraction, 1/n 11, the limit 20: 1.31·100·512 = 67072,
     -0.19·65536 = -12451.84, 2048/0.17 = 12047.06; 1.6 and 3.7 V: 81920 and 189440; 2.9·2^20 = 3040870.4."""
     words = fit_rubber.registers(fit(steps()), codes_per_v=100)
@@ -192,6 +207,9 @@ def test_the_registers_by_hand():
     assert words == dict(zip(names, (67072, -12452, 12047, 81920, 189440, 3040870)))
     told = "\n".join(fit_rubber.tell(fit(steps()), 100))
     assert "# cfg_k0 = 67072, cfg_k1 = -12452, cfg_exponent = 12047, cfg_vi_min = 81920" in told
+    path = write(tmp_path / "steps.csv", STEPS, steps())
+    cli.main(["fit-rubber", str(path), "--codes-per-v", "100"])
+    assert "# cfg_k0 = 67072, cfg_k1 = -12452, cfg_exponent = 12047" in capsys.readouterr().out
 
 
 def refused(path):

@@ -12,7 +12,7 @@ from meissner.budget import array
 from meissner.builds import config
 from meissner.tradeoff import area, choose, table
 from meissner.tradeoff import command as tradeoff_command
-from meissner.tradeoff.candidates import board_of, rounded_rate, tables
+from meissner.tradeoff.candidates import board_of, frames_on_line, rounded_rate, tables
 from meissner.tradeoff.command import RECORD
 from meissner.tradeoff.needs import NEEDS, Needs
 
@@ -171,7 +171,38 @@ def test_what_is_printed_is_a_configuration(tmp_path, capsys):
 
 
 def test_a_rate_of_two_digits():
-    assert [rounded_rate(rate) for rate in (1432.8, 99.9, 100.0, 7.26)] == [1400.0, 99.0, 100.0, 7.2]
+    rates = {1432.8: 1400.0, 99.9: 99.0, 100.0: 100.0, 10.0: 10.0, 9.99: 9.9, 9.6: 9.6, 7.26: 7.2, 0.3: 0.3}
+    assert {rate: rounded_rate(rate) for rate in rates} == rates
+
+
+@pytest.mark.parametrize(
+    ("sensor", "key", "most"),
+    [
+        ("channels", "channels", 8),
+        ("channels", "window", 4096),
+        ("array", "rows", 256),
+        ("array", "columns", 256),
+    ],
+)
+def test_the_ends_of_a_need(sensor, key, most):
+    for value in (1, most):
+        assert getattr(Needs(sensor, **{key: value}), key) == value
+    for value in (0, most + 1):
+        with pytest.raises(ValueError, match=f"{key} = {value} must lie in 1 .. {most}"):
+            Needs(sensor, **{key: value})
+
+
+def test_frames_beside_an_image_a_second():
+    """A CoP packet has 27 bytes, an image of 9 taxels 38, one of 4096 64 packets of 148; 10 bits each."""
+    assert frames_on_line(115_200, 3, 3) == (11_520 - 38) / 27
+    assert frames_on_line(3_000_000, 64, 64) == (300_000 - 9472) / 27
+
+
+@pytest.mark.parametrize("columns, lanes", [(4, 1), (5, 2), (8, 2)])
+def test_an_ad7606_has_a_lane_for_four_inputs(columns, lanes):
+    """A column at an input of its own needs no switch."""
+    _, made, _ = choose.chosen(Needs("array", rows=3, columns=columns, adc="AD7606"), {})
+    assert (made.adc.converters, made.adc.channels, made.adc.lanes) == (1, columns, lanes)
 
 
 def test_a_missing_record_is_named_with_the_command_that_writes_it(tmp_path, monkeypatch, capsys):

@@ -15,7 +15,7 @@ from meissner.host.core import Core
 from meissner.twins.shared import LANES
 
 SWAP_S = 5.0  # the longest wait for a frame's end, or for the end of an averaging
-TRIES = 3  # if the core is reset meanwhile
+TRIES = 3  # if the core is reset meanwhile, or a swap had to be sent again
 ROW_COLUMN_BITS = 16  # of an offset where the tables are of rows and columns (core.widths)
 
 
@@ -33,11 +33,12 @@ def load(core: Core, lines: Calibration) -> None:
     core.after_reset = lambda: None
     for _ in range(TRIES):
         restarts = core.counts.restarts
-        _write(core, lines)
-        if core.counts.restarts == restarts:
+        if _write(core, lines) and core.counts.restarts == restarts:
             break
     else:
-        raise OSError("the core was reset again and again while its calibration was written")
+        raise OSError(
+            "the core was reset, or did not answer in time, in each attempt to write its calibration"
+        )
     core.units = replace(core.units, newtons_per_code=lines.force_lsb_n)
     core.after_reset = lambda: _again(core, lines)
 
@@ -95,7 +96,8 @@ def _wait(core: Core, name: str, value: int, what: str) -> None:
             raise ValueError(f"{what} within {SWAP_S:g} s: {name} is not {value}")
 
 
-def _write(core: Core, lines: Calibration) -> None:
+def _write(core: Core, lines: Calibration) -> bool:
+    """Whether the swap was sent once: one sent again may have exchanged the halves back."""
     zeroed = "tare" in core.features
     for row, column, word, mask in _places(core):
         _put(core, "calibrate.word", word)
@@ -105,8 +107,11 @@ def _write(core: Core, lines: Calibration) -> None:
         core["calibrate.write"] = mask
     if zeroed:
         _write_zeros(core, lines)
+    retries = core.counts.retries
     core["calibrate.swap"] = 1
+    once = core.counts.retries == retries
     _wait(core, "calibrate.swapping", 0, "the core did not take the calibration")
+    return once
 
 
 def _write_zeros(core: Core, lines: Calibration) -> None:

@@ -5,6 +5,7 @@ settings that the point decides replaced.
 """
 
 import copy
+import math
 import tomllib
 
 from meissner.builds import boards, config
@@ -161,5 +162,7 @@ def frames_on_line(baud, rows, columns):
 
 def rounded_rate(rate):
     """``rate`` rounded down to two significant digits."""
-    size = 10.0 ** (len(str(int(rate))) - 2) if rate >= 10 else 0.1
+    if rate < 10:
+        return math.floor(10 * rate) / 10  # rate // 0.1 is 95 for 9.6
+    size = 10 ** (len(str(int(rate))) - 2)
     return float(rate // size * size)
