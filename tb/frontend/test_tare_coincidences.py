@@ -172,6 +172,24 @@ async def one_asked_for_while_one_begins_comes_after_it(dut):
         assert line.out[::TAXELS] == [9, 9, 6, 6, 6, 0], gap
 
 
+@bench.applies(lambda dut: dut.TareLog2.value.to_unsigned() == 8)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def the_longest_averaging_takes_256_frames(dut):
+    """Of 0 .. 255, pressed or not: 127 1/2, of which 128 is taken off from the next frame on."""
+    line = await begin(dut)
+    line.settings.put(average=1, force=1)
+    await line.tick()
+    line.settings.put(average=0)
+    await line.send([beat for value in [*range(256), 300] for beat in frame(value)])
+    assert await line.status() == (1, 0)
+    assert line.out[::TAXELS] == [*range(256), 172]
+
+
 def test_tare_coincidences():
     build = {"Rows": 2, "Columns": 3, "Lanes": 1, "FractionBits": 5, "TareLog2": 1}
     bench.run("frontend", "tare", build, module="test_tare_coincidences")
+
+
+def test_tare_of_the_longest_averaging():
+    build = {"Rows": 2, "Columns": 3, "Lanes": 1, "TareLog2": 8}
+    bench.run("frontend", "tare", build, "the_longest_averaging_takes_256_frames", "test_tare_coincidences")
