@@ -85,7 +85,7 @@ class Bench:
                 while dut.in_ready_o.value != 1:
                     await RisingEdge(dut.clk_i)
         dut.in_valid_i.value = 0
-        await bench.clocks(dut, 400)
+        await bench.clocks(dut, 1700)  # a change of each taxel, too
         return self.packets[before:]
 
     async def image(self, codes, midway=None):

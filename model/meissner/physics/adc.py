@@ -162,7 +162,8 @@ ORIGINS = {
     "AD7606_NOISE_V": (
         "computed",
         "data sheet: SNR 89 dB of a full-scale sine at +-5 V, less the quantisation of 16 bits",
-        "0.8 of a code: the noise below the slip scenes of 16 bits",
+        "0.8 of a code; cop_slip: without difference_gain, or with five times as much, false alarms and "
+        "wrong ways",
     ),
     "CORNERS_HZ": (
         "datasheet",
