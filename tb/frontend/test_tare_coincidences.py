@@ -125,9 +125,9 @@ async def a_contact_next_to_an_averaging_and_in_it(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
-    """Damage restarts the averaging. A contact in the damaged frame causes no refusal, wherever the frame
-    broke off, and is not reported. A contact in a complete frame before the damage causes a refusal at that
-    frame's end."""
+    """Damage restarts the averaging: 13, averaged before it, is in no zero. A contact in the damaged frame
+    causes no refusal, wherever the frame broke off, and is not reported. A contact in a complete frame before
+    the damage causes a refusal at that frame's end."""
     still, contact = 9, 500
     line = await begin(dut)
     await line.send(frame(still))
@@ -136,7 +136,7 @@ async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
         for place in range(length):
             await bench.reset(dut)
             line = Line(dut)
-            await line.send([*frame(still), *frame(still)], tare_at=asked, force=0)  # the second is averaged
+            await line.send([*frame(still), *frame(13)], tare_at=asked, force=0)  # the second is averaged
             broken = frame(*(contact if at == place else still for at in range(TAXELS)))[:length]
             broken[-1] = (*broken[-1][:2], 1)
             await line.send(broken)
@@ -156,6 +156,40 @@ async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
     assert line.state()["state_pressed"] == 1 and line.state()["state_taring"] == 0
 
 
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def one_asked_for_while_one_begins_comes_after_it(dut):
+    """Also in the clock in which it begins, the one after its request: two averagings, of other frames."""
+    line = await begin(dut)
+    for gap in range(1, 5):
+        await bench.reset(dut)
+        line = Line(dut)
+        for clock in range(gap + 1):
+            line.settings.put(average=clock in (0, gap))
+            await line.tick()
+        line.settings.put(average=0)
+        await line.send([beat for value in (9, 9, 15, 15, 15, 15) for beat in frame(value)])
+        assert await line.status() == (2, 0), gap
+        assert line.out[::TAXELS] == [9, 9, 6, 6, 6, 0], gap
+
+
+@bench.applies(lambda dut: dut.TareLog2.value.to_unsigned() == 8)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def the_longest_averaging_takes_256_frames(dut):
+    """Of 0 .. 255, pressed or not: 127 1/2, of which 128 is taken off from the next frame on."""
+    line = await begin(dut)
+    line.settings.put(average=1, force=1)
+    await line.tick()
+    line.settings.put(average=0)
+    await line.send([beat for value in [*range(256), 300] for beat in frame(value)])
+    assert await line.status() == (1, 0)
+    assert line.out[::TAXELS] == [*range(256), 172]
+
+
 def test_tare_coincidences():
     build = {"Rows": 2, "Columns": 3, "Lanes": 1, "FractionBits": 5, "TareLog2": 1}
     bench.run("frontend", "tare", build, module="test_tare_coincidences")
+
+
+def test_tare_of_the_longest_averaging():
+    build = {"Rows": 2, "Columns": 3, "Lanes": 1, "TareLog2": 8}
+    bench.run("frontend", "tare", build, "the_longest_averaging_takes_256_frames", "test_tare_coincidences")

@@ -189,6 +189,24 @@ async def commands_of_every_bit_on_a_quiet_line(dut):
     assert told(dut)["rejected"] == 1
 
 
+@bench.applies(lambda dut: number(dut, "BaudHz") == SLOW["BaudHz"])
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_command_that_pauses_is_given_up_after_ten_ms(dut):
+    """docs/link.md; 1000 clocks at 100 kHz, in a link that is not told how many."""
+    await begin(dut, {})
+    for level in levels(command(READ, 1, 0x10)[:-3], 100_000, 25_000):
+        dut.rx_i.value = level
+        await RisingEdge(dut.clk_i)
+    waited = 0
+    while told(dut)["rejected"] == 0:
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        waited += 1
+        assert waited < 1100
+    assert waited in range(990, 1011)
+    await RisingEdge(dut.clk_i)
+
+
 @bench.applies(has_line)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def first_edge_of_an_event(dut):
@@ -231,12 +249,12 @@ async def without_a_line_packets_are_bytes(dut, rate):
 
     watching = cocotb.start_soon(line())
     await test.run(9_000)
-    await test.run(3_000, quiet=True)
+    await test.run(12_000, quiet=True)  # 9 statistics come in 2^10 clocks each
     while test.bytes:  # a statistic is still being sent
         await test.run(1, quiet=True)
     watching.cancel()
     of_kind = packet.check(dut, test.decoded(), sources, counters, parameters(dut))
-    assert set(of_kind) == {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC}
+    assert set(of_kind) == {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC} and len(of_kind[p.STATISTIC]) > 9
     assert told(dut)["packets"] == len(test.packets) > 20 and told(dut)["rejected"] == 0
 
 
@@ -459,12 +477,17 @@ WHOLE |= {"Chunk": CHUNK}
 LINE = WHOLE | {"Uart": 1, "StatisticBits": 12, "Array": 1}
 BYTES = WHOLE | {"Uart": 0, "StatisticBits": 10}
 CHANGES = BYTES | {"SlipChannels": 13, "Statistics": 0, "Taxels": 0, "Health": 0, "Cop": 0}
+SLOW = {"ClkKhz": 100, "BaudHz": 25_000}
 SMALL = {"ClkKhz": 4000, "BaudHz": 500_000, "SlipOnly": 1, "Registers": 0, "DetailBits": 14}
 
 
 @pytest.mark.parametrize("build", [LINE, BYTES, CHANGES, SMALL], ids=["line", "bytes", "changes", "small"])
 def test_link(build):
     bench.run("link", "link", build)
+
+
+def test_link_with_the_time_out_of_a_core():
+    bench.run("link", "link", SLOW, "a_command_that_pauses_is_given_up_after_ten_ms")
 
 
 @pytest.mark.parametrize("count", [1, 5])

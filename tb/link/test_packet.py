@@ -457,6 +457,21 @@ async def images_are_numbered_modulo_256(dut):
     assert bench.read(dut.image_dropped_o) == 0
 
 
+@bench.applies(lambda dut: parameters(dut)["Taxels"] == LARGEST["Taxels"])
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def each_part_of_the_largest_image_says_where_it_begins(dut):
+    """65536 = 564 x 116 + 112 taxels."""
+    await begin(dut, np.random.default_rng(bench.SEED), {})
+    dut.image_valid_i.value, dut.image_data_i.value, dut.image_last_i.value = 1, 0xA5C3, 0
+    await bench.clocks(dut, 65535)
+    dut.image_last_i.value = 1
+    await bench.clocks(dut, 1)
+    dut.image_valid_i.value = 0
+    got = [payload for _, payload in await collect(dut, 565)]
+    assert [int.from_bytes(payload[2:5], "little") for payload in got] == [116 * part for part in range(565)]
+    assert [(payload[:2], len(payload)) for payload in got] == [(b"\0\0", 237)] * 564 + [(b"\0\1", 229)]
+
+
 ALONE = {"SlipDepth": 0, "Cop": 0, "Health": 0, "Answers": 0, "Statistics": 0, "Taxels": 0}
 BUILDS = [
     {"SlipDepth": 4, "Statistics": 3, "StatisticBits": 10, "Taxels": 36, "Chunk": 16},
@@ -466,6 +481,7 @@ BUILDS = [
     ALONE | {"Statistics": 256, "StatisticBits": 8, "Answers": 1},  # the largest number
     ALONE | {"Taxels": 4, "Chunk": 1},
 ]
+LARGEST = ALONE | {"Taxels": 65536, "Chunk": 116}
 
 
 EVIDENCE = {
@@ -489,6 +505,10 @@ EVIDENCE = {
 @pytest.mark.parametrize("build", BUILDS, ids=lambda b: "-".join(f"{v}" for v in b.values()))
 def test_packet(build):
     bench.run("link", "packet", build)
+
+
+def test_packet_of_the_largest_image():
+    bench.run("link", "packet", LARGEST, "each_part_of_the_largest_image_says_where_it_begins")
 
 
 def test_refuses_illegal_parameters():

@@ -149,6 +149,10 @@ def test_state_report(channels, first):
     bench.run("link", "state_report", {"Channels": channels, "First": first})
 
 
+def test_state_report_of_the_most_channels():
+    bench.run("link", "state_report", {"Channels": 4096}, "sends_the_models_words")
+
+
 def _model(channels=8, first=0):
     return report([0] * channels, first)
 
