@@ -71,9 +71,11 @@ def netlists():
     script, folders = [f"read_verilog -lib tb/lint/cells.v; {read_rtl()}; design -save sources"], []
     for board, name, _ in CASES:
         folders.append(folder := written(board, name))
+        # The package again, whose types Yosys's reader forgets.
+        files = ["rtl/msn_pkg.sv", *board.sources, f"{folder}/{board.top}.sv"]
         script += [
             "design -load sources",
-            f"read_verilog -sv -I{folder} {' '.join(board.sources)} {folder}/{board.top}.sv",
+            f"read_verilog -sv -nooverwrite -I{folder} {' '.join(files)}",
             f"hierarchy -top {board.top}; proc; flatten; opt -full; clean; write_json {folder}/netlist.json",
         ]
     yosys("; ".join(script), "build/tb/pins/log")

@@ -149,7 +149,7 @@ IMPORTS = {
     "cop_slip": f"grip plate rubber {_MESH} cop.cop_slip frontend link slip actuate",
     "walk_25x5": _TAXELS,
     "fsr_3x3": f"fsr {_TAXELS} frontend.calibrate",
-    "capacitive_crosstalk": "capacitive footprints mesh_loads / frontend.am_demod",
+    "capacitive_crosstalk": "capacitive footprints mesh_loads / frontend.am_demod frontend.calibrate",
 }
 RUN = """
 import sys, tempfile

@@ -15,12 +15,12 @@ from meissner.physics.adc import Adc as Converter
 from meissner.physics.adc import old_rows, unsettled
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, naming, values
-from meissner.twins.cop.cop4 import LOAD_BITS
 from meissner.twins.cop.cop_slip import CopSlipRegisters
 from meissner.twins.frontend.adc_spi import AdcSpi, Part
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.link import cobs, packet
 from meissner.twins.link.registers import RESET_BITS, reset_word
+from meissner.twins.shared import LOAD_BITS
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 from meissner.twins.slip.slip_path import check_serial
 

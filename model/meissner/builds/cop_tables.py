@@ -7,7 +7,7 @@ from msgspec import Meta
 
 from meissner.builds.units import Units
 from meissner.tables import NotNegative, Positive, Table, exact, naming, whole
-from meissner.twins.cop.cop4 import LOAD_BITS
+from meissner.twins.shared import LOAD_BITS
 
 if TYPE_CHECKING:
     from meissner.twins.cop.cop_slip import CopSlipRegisters

@@ -17,7 +17,8 @@ from meissner.engines.protocol import ElectrodesSlip
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Solution
 from meissner.physics.mesh.correction import load_terms
-from meissner.twins.cop.cop4 import LOAD_BITS, Cop4, Cop4Registers
+from meissner.twins.cop.cop4 import Cop4, Cop4Registers
+from meissner.twins.shared import LOAD_BITS
 
 if TYPE_CHECKING:
     from meissner.twins.cop.cop_slip import CopSlipRegisters

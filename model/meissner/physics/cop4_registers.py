@@ -9,8 +9,9 @@ import numpy as np
 from meissner.physics.adc import Adc
 from meissner.physics.mesh.constants import cop_constants
 from meissner.tables import exact
-from meissner.twins.cop.cop4 import LOAD_BITS, SCALE_BITS, Cop4Registers
+from meissner.twins.cop.cop4 import SCALE_BITS, Cop4Registers
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, SUM_TOP, CorrectionRegisters
+from meissner.twins.shared import LOAD_BITS
 
 if TYPE_CHECKING:
     from meissner.physics.mesh.correction import Correction

@@ -1,6 +1,7 @@
 """What the twins of every stage share: the checks of their parameters, and the base of those with a state."""
 
 LANES = (1, 2, 4, 8)
+LOAD_BITS = 16  # of four electrodes
 
 
 def within(**values):

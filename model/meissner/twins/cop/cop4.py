@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from meissner.twins.common.ratio import ratio
 from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, cop4_correct
-from meissner.twins.shared import fits, within
+from meissner.twins.shared import LOAD_BITS, fits, within
 
 SCALE_BITS = 17  # of kx, ky, kf
-LOAD_BITS = 16
 
 
 def check_sample_bits(sample_bits):

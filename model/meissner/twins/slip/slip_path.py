@@ -1,5 +1,5 @@
-"""Bit-exact twins of rtl/slip/msn_slip_path.sv: samples to decisions about every channel; msn_slip_chain.sv:
-to changes of state; msn_slip_flags.sv: whether any channel slips, slips grossly, is touched."""
+"""Bit-exact twins of rtl/slip/msn_slip_path.sv: samples to decisions about every channel; msn_slip_flags.sv:
+whether any channel slips, slips grossly, is touched."""
 
 from dataclasses import dataclass, replace
 
@@ -8,7 +8,6 @@ import numpy as np
 from meissner.twins.slip.haar import haar, masked_groups
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import Slip, State
-from meissner.twins.slip.slip_changes import ALL, SlipChanges
 
 
 @dataclass(frozen=True)
@@ -69,27 +68,6 @@ def decide(x, config, moving=None, mask=None, change=None, serial=False):
     slipping = (state == State.INCIPIENT) | (state == State.GROSS)
     was = np.concatenate([np.zeros((len(x), 1), dtype=bool), slipping[:, :-1]], axis=1)
     return Decisions(p2p, state, slipping & ~was, end, twin.blanked)
-
-
-def slip_chain(samples, config, moving=None, mask=None, change=None, events=ALL):
-    """(frame, channel, p2p, Change) of each change in samples [frames, channels]; ``config``: SlipConfig.
-
-    ``mask`` [frames, channels]: samples not to be trusted; ``change``: (frame, threshold), another threshold
-    from that frame on; ``events``: as in SlipChanges. A change belongs to its detail's last frame.
-    """
-    found = decide(np.asarray(samples).T, config, moving, None if mask is None else mask.T, change)
-    return changes_of(found.state, found.raised, found.p2p, 1 << config.level, events)
-
-
-def changes_of(state, raised, p2p, group=1, events=ALL):
-    """(frame, channel, p2p, Change) of decisions [channels, details]; a detail is of ``group`` frames."""
-    twin, found = SlipChanges(len(state), events), []
-    new = np.diff(state, axis=1, prepend=0) != 0
-    for detail, channel in np.argwhere((new | raised).T).tolist():
-        change = twin.next(channel, state[channel, detail], raised[channel, detail])
-        if change:
-            found.append(((detail + 1) * group - 1, channel, int(p2p[channel, detail]), change))
-    return found
 
 
 def slip_flags(decisions):
