@@ -322,8 +322,9 @@ def test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error(tmp_path, 
     """With every option; then with one state of the twin changed, whether or not JSON is asked for."""
     own_scene(tmp_path)
     monkeypatch.chdir(tmp_path)
-    arguments = ["run", "mine.toml", "--engine", "rtl", "--seed", "7", "--out", "here", "--overwrite"]
-    cli.main([*arguments, "--waves", "--json"])
+    arguments = ["run", "mine.toml", "--engine", "rtl", "--seed", "7"]
+    arguments += ["--out", "here", "--overwrite", "--waves"]
+    cli.main([*arguments, "--json"])
     found = json.loads(capsys.readouterr().out)
     assert (found["scene"], found["seeds"], found["twin_mismatches"]) == ("mine", [7, 7], 0)
     assert "waves.vcd" in found["files"] and (tmp_path / "here/waves.vcd").stat().st_size > 1000
@@ -337,7 +338,7 @@ def test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error(tmp_path, 
     monkeypatch.setattr(engines.fixed, "watch", wrong)
     for more in ([], ["--json"]):
         with pytest.raises(SystemExit) as ended:
-            cli.main([*arguments, "--overwrite", *more])
+            cli.main([*arguments, *more])
         said = capsys.readouterr()
         assert (
             ended.value.code == 1 and "mine: the core differs from its integer twin in 4 values" in said.err
