@@ -139,7 +139,7 @@ async def asked_again_it_starts_over(dut):
     await bench.RisingEdge(dut.clk_i)
 
 
-EVIDENCE = {"equivalence": {"size": {"Channels": 9}}}
+EVIDENCE = {"equivalence": {"size": {"Channels": 5}}}
 
 
 @pytest.mark.parametrize(

@@ -216,7 +216,7 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "lost_o", most=3, wraps=False)
 
 
-EVIDENCE = {"equivalence": {"size": {"Channels": 3}}}
+EVIDENCE = {"equivalence": {"size": {"Channels": 5}}}
 
 SPACE = lambda draw: {"Channels": draw.randint(1, 40)}
 

@@ -41,7 +41,7 @@ class Proof:
     solvers: tuple = SOLVERS
     sets: tuple = ()  # parameter sets, instead of the shipped ones
     more: tuple = ()  # additional parameter sets
-    ignore: tuple = ()  # parameters of the block that the harness does not have
+    ignore: tuple = ()  # parameters of the block that the harness does not have, or keeps at their defaults
     quick: bool = False
     limit_s: int = 200
 
