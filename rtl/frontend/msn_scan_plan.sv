@@ -145,7 +145,7 @@ module msn_scan_plan #(
         if (switch_o) state_q <= Settle;
         else if (open_q && !cfg_enable_i && !active_q) state_q <= Off;
       end
-      default: if (trigger_o) state_q <= Free;
+      default: if (none_q) state_q <= Free;  // with trigger_o; without one after an upset of the state
     endcase
     if (rst_i) begin
       state_q <= Off;

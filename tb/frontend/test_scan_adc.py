@@ -342,8 +342,8 @@ EVIDENCE = {
         "size": {"Rows": 3, "Columns": 3},
         "driver": {
             "free": 40000,
-            # Counters up to a scan's next row and frame.
-            "late": "since_q count_q rest_q",
+            # Counters up to a scan's next row and frame, and the settle time in force until it.
+            "late": "since_q count_q rest_q settle_q",
             "part": 1,
         },
     },

@@ -261,8 +261,8 @@ EVIDENCE = {
         "settle": 2,
         "driver": {
             "free": 60000,
-            # Counters up to a scan's next row and frame.
-            "late": "since_q count_q rest_q",
+            # Counters up to a scan's next row and frame, and the settle time in force until it.
+            "late": "since_q count_q rest_q settle_q",
             "part": 5,
             "carrier": 2,
         },

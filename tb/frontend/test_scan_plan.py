@@ -326,6 +326,25 @@ async def enable_ends_after_a_whole_frame(dut):
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
+async def goes_on_after_an_upset_of_its_state(dut):
+    """In any clock of a conversion, also to the code that no state has: whole frames follow, in order."""
+    plan = twin_of(dut)
+    slot, size = plan.slot(2), len(plan.places())
+    await begin(dut, Settings(settle=2))
+    dut.cfg_enable_i.value = 1
+    for clock, code in itertools.product((*range(8), slot - 1), range(4)):
+        await bench.clocks(dut, slot + clock)
+        dut.state_q.value = code
+        await bench.clocks(dut, 4 * slot)
+        switches, _ = await watch(dut, (size + 2) * slot)
+        places = [(row, group) for _, row, group in switches]
+        start = plan.places().index(places[0])
+        expected = (plan.places() * 3)[start:][: len(places)]
+        assert places == expected and len(places) >= size + 1, (clock, code)
+        await RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
 async def recovers_after_reset(dut):
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
