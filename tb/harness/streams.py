@@ -7,7 +7,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
-from harness import icarus
+from harness import icarus, recorder
 from harness.applicable import applies, whole
 from harness.runner import ONES, SIM
 from harness.stimulus import SEED, as_signed, force_beats
@@ -221,7 +221,8 @@ async def counts_on(dut, *counters, most=1, span=400, wiggled=(), strobe=None, *
 
 def carries(port):
     """Values at which a counter that is narrower than ``port``, or loses a carry, counts wrong: 2^k - 1 for
-    each k, where all k bits change, and random ones."""
+    each k, where all k bits change, and random ones. To put them there ends a recording."""
+    recorder.end()
     draw = random.Random(SEED)
     return [(2 << k) - 1 for k in range(len(port))] + [draw.getrandbits(len(port)) for _ in range(4)]
 

@@ -70,7 +70,7 @@ def test_finds_an_access_that_never_ends(monkeypatch, tmp_path):
 @pytest.mark.long
 def test_finds_a_block_that_waits_for_ever(monkeypatch, tmp_path):
     planted(monkeypatch, tmp_path, "tare", "ending && drain > 3'd1;", "ending && !done;")
-    results = faults.inject("tare", 400, 1)
+    results = faults.inject("tare", 4000, 1)  # so many that some hit this one bit of 785
     assert any("ending" in result.where for result in results if result.outcome == "silent")
 
 
