@@ -320,15 +320,20 @@ def line(codes, force_n):
     return slope, mean_code - slope * mean_force, explained
 
 
+def _best(x, y):
+    """(Values of ``x``, place of each in them, the non-falling curve of ``y`` over them that fits best)."""
+    from scipy.optimize import isotonic_regression  # here: what reads a calibration needs no SciPy
+
+    values, place, count = np.unique(x, return_inverse=True, return_counts=True)
+    return values, place, isotonic_regression(np.bincount(place, y) / count, weights=count)
+
+
 def _rising(codes, force):
     """(Lowest code, highest code, share of variance explained) of a cell's best non-falling curve.
 
     The share is corrected for the curve's own freedom; 1 if every reading rises.
     """
-    from scipy.optimize import isotonic_regression  # here: what reads a calibration needs no SciPy
-
-    levels, place, count = np.unique(force, return_inverse=True, return_counts=True)
-    curve = isotonic_regression(np.bincount(place, codes) / count, weights=count)
+    levels, place, curve = _best(force, codes)
     spread = ((codes - codes.mean()) ** 2).sum()
     left = ((codes - curve.x[place]) ** 2).sum()
     blocks = len(curve.blocks) - 1
@@ -341,10 +346,8 @@ def _rising(codes, force):
 
 def _curve(codes, force):
     """Codes and newtons of the non-falling curve of force over code that fits best."""
-    from scipy.optimize import isotonic_regression
-
-    own, place, count = np.unique(codes, return_inverse=True, return_counts=True)
-    return own, isotonic_regression(np.bincount(place, force) / count, weights=count).x
+    own, _, curve = _best(codes, force)
+    return own, curve.x
 
 
 def _table(codes, force):
@@ -354,9 +357,8 @@ def _table(codes, force):
     that code.
     """
     own, newtons = _curve(codes, force)
-    newtons = np.clip(
-        newtons, force.min(), force.max()
-    )  # means of pooled readings, whose last bits may be off
+    # Means of pooled readings, whose last bits may be off.
+    newtons = np.clip(newtons, force.min(), force.max())
     newtons[[0, -1]] = force.min(), force.max()
     turns = np.diff(newtons, prepend=-1.0, append=np.inf) > 0  # inside a level stretch no knot is needed
     knots = np.array([own, newtons])[:, turns[:-1] | turns[1:]]

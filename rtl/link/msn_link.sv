@@ -136,7 +136,8 @@ module msn_link #(
       .read_id_i(states_id), .read_state_o(states_state), .lost_o(status_o.changes_lost)
     );
   end else begin : gen_no_changes
-    assign {decision_ready_o, change_valid, change, status_o.changes_lost} = {1'b1, 81'd0};
+    assign decision_ready_o = 1'b1;
+    assign {change_valid, change, status_o.changes_lost} = '0;
     assign states_state = msn_pkg::None;
     logic unused_changes;
     assign unused_changes = ^{decision_valid_i, change_ready, room, states_id};

@@ -28,46 +28,42 @@ def array(mhz, part, rows, columns, converters, channels, lanes=1, rate_hz=200.0
 
 
 CHANNELS = """
-about = "three rubber sensors on one AD7606"
+about = "three sensors on one {part}"
 [clock]
 mhz = {mhz}
 [sensor]
 kind = "channels"
 channels = 3
 [adc]
-part = "AD7606"
+part = "{part}"
 volts = 5.0
-rate_hz = 5000.0
+rate_hz = {rate_hz}
 [slip]
-threshold_p2p_v = 0.02
-gross_threshold_p2p_v = 0.12
 contact_level_v = 4.5
 release_level_v = 4.8
-contact_rises = false
 """
 
-EACH = """
-about = "three sensors on one MCP3208, the slip of each at a pin"
-[clock]
-mhz = {mhz}
-[sensor]
-kind = "channels"
-channels = 3
-[adc]
-part = "MCP3208"
-volts = 5.0
-rate_hz = 4000.0
-[slip]
+RUBBER = (
+    CHANNELS
+    + """
+threshold_p2p_v = 0.02
+gross_threshold_p2p_v = 0.12
+contact_rises = false
+"""
+)
+
+EACH = (
+    CHANNELS
+    + """
 window = 4
 hold_ms = 2.0
 threshold_p2p_v = 0.2
 gross_threshold_p2p_v = 2.0
-contact_level_v = 4.5
-release_level_v = 4.8
 [link]
 slip_pins = true
 registers = false
 """
+)
 
 SPI = {"adc_cs_n_o": 1, "adc_sclk_o": 1, "moving_i": 1}
 BUSY = SPI | {"adc_convst_o": 1, "adc_reset_o": 1}
@@ -99,10 +95,13 @@ USERS = {  # name: (text for a given clock, lines on the headers)
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 3},
     ),
     "each": (
-        lambda mhz: EACH.format(mhz=mhz),
+        lambda mhz: EACH.format(mhz=mhz, part="MCP3208", rate_hz=4000.0),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 1, "slip_each_o": 3},
     ),
-    "channels": (lambda mhz: CHANNELS.format(mhz=mhz), BUSY | {"adc_busy_i": 1, "adc_miso_i": 1}),
+    "channels": (
+        lambda mhz: RUBBER.format(mhz=mhz, part="AD7606", rate_hz=5000.0),
+        BUSY | {"adc_busy_i": 1, "adc_miso_i": 1},
+    ),
 }
 CLOCKS = {"icebreaker": 24.0, "ulx3s": 25.0, "orangecrab": 48.0, "tangnano20k": 27.0, "arty_a7": 50.0}
 

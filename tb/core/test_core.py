@@ -347,6 +347,15 @@ async def begin(dut, name, build):
     return host, sensor, starts
 
 
+async def begin_idle(dut):
+    """(Name of the case, host) of a core whose converters are off and whose pipeline is empty."""
+    name, build = case_of(dut)
+    host, *_ = await begin(dut, name, build)
+    await write(host, {"scan.enable" if name == "array" else "adc.enable": 0}, rest=8 * 700)
+    await bench.clocks(dut, 8000)
+    return name, host
+
+
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
@@ -610,10 +619,7 @@ def test_every_group_of_registers_is_in_a_core_whose_settings_are_followed():
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def a_lost_result_is_given_up_after_511_clocks(dut):
     """docs/frames.md; with the converters off."""
-    name, build = case_of(dut)
-    host, *_ = await begin(dut, name, build)
-    await write(host, {"scan.enable" if name == "array" else "adc.enable": 0}, rest=8 * 700)
-    await bench.clocks(dut, 8000)
+    name, _ = await begin_idle(dut)
     owed = (dut.gen_array if name == "array" else dut.gen_cop4).u_sensor.u_owed
     await FallingEdge(dut.clk_i)
     owed.owed.value = 1
@@ -784,10 +790,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_a_counter_reaches_its_register(dut):
     """By values put where they are counted, also for counters whose faults these parts do not have."""
-    name, build = case_of(dut)
-    host, *_ = await begin(dut, name, build)
-    await write(host, {"scan.enable" if name == "array" else "adc.enable": 0}, rest=8 * 700)
-    await bench.clocks(dut, 8000)
+    name, host = await begin_idle(dut)
     path = dut.u_slip.gen_slip.u_slip_path.gen_parallel
     sources = {
         "slip.damaged": path.u_frame_filter.damaged_o,
@@ -846,8 +849,8 @@ EVIDENCE = {
         "settle": 2,
         "driver": {
             "free": 100000,
-            # Counters up to a scan's next row and frame.
-            "late": "since_q count_q rest_q",
+            # Counters up to a scan's next row and frame, and the settle time in force until it.
+            "late": "since_q count_q rest_q settle_q",
             "part": 1,
             "packets": 1,
             "writes": 25,

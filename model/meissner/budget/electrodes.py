@@ -3,7 +3,6 @@
 from meissner.budget import cop4, cop4_report
 from meissner.budget.channels import converter_terms
 from meissner.budget.terms import table
-from meissner.physics.adc import PARTS
 
 CLOCKS = {False: 17, True: 37}  # of msn_cop4 at two bits a clock; True: with the load's correction
 NAMES = {
@@ -19,7 +18,7 @@ def of_config(config):
     """``config``: meissner.builds.build.Config of four electrodes. ``resolution``: budget.cop4 over the
     converter's own range, rms with its own noise."""
     of = config.cop4
-    noise_v = PARTS[config.adc.part].noise_v * of.adc.high_v / PARTS[config.adc.part].high_v / of.gain
+    noise_v = config.input.noise_v / of.gain
     terms = converter_terms(config.converter) | {"cop4": CLOCKS[of.terms is not None]}
     if config.cop_slip:
         terms["cop_slip"] = 5

@@ -181,15 +181,22 @@ class Config:
             rate_hz=self.rate_hz,
         )
         if self.array:
-            newtons, pitch, most = self.array.newtons_per_count, self.array.pitch_mm, self.most_force
-            known = replace(known, codes=(0, most), most_load=rows * columns * most)
-            known = replace(known, newtons_per_code=newtons, pitch_mm=pitch)
+            known = replace(
+                known,
+                codes=(0, self.most_force),
+                most_load=rows * columns * self.most_force,
+                newtons_per_code=self.array.newtons_per_count,
+                pitch_mm=self.array.pitch_mm,
+            )
             with naming("[cop]: min_load_n"):
                 return replace(known, min_load=known.load_code(self.min_load_n))
-        load = self.cop4.load_lsb_n if self.cop4 else None
-        known = replace(known, codes=(self.input.min_code, self.input.max_code))
-        known = replace(known, most_load=(1 << LOAD_BITS) - 1)
-        return replace(known, volts_per_code=self.volts_per_code, newtons_per_code=load)
+        return replace(
+            known,
+            codes=(self.input.min_code, self.input.max_code),
+            most_load=(1 << LOAD_BITS) - 1,
+            volts_per_code=self.volts_per_code,
+            newtons_per_code=self.cop4.load_lsb_n if self.cop4 else None,
+        )
 
     @property
     def settings(self) -> dict[str, int]:

@@ -23,8 +23,8 @@ class OfBoot:
 
 
 @dataclass(frozen=True)
-class SlipEvent(OfBoot):
-    """A slip begins: the channel was in contact, and is incipient or gross.
+class OfChannel(OfBoot):
+    """A channel has another state.
 
     Attributes
     ----------
@@ -48,8 +48,13 @@ class SlipEvent(OfBoot):
 
 
 @dataclass(frozen=True)
-class StateChange(OfBoot):
-    """Any other change of a channel's state; the fields of SlipEvent, and:
+class SlipEvent(OfChannel):
+    """A slip begins: the channel was in contact, and is incipient or gross."""
+
+
+@dataclass(frozen=True)
+class StateChange(OfChannel):
+    """Any other change of a channel's state.
 
     Attributes
     ----------
@@ -59,13 +64,6 @@ class StateChange(OfBoot):
         The channel has had this state for some details: the line was too slow.
     """
 
-    time: int
-    time_s: float | None
-    channel: int
-    state: int
-    p2p: int
-    p2p_v: float | None
-    p2p_n: float | None = None
     before: int = State.NONE
     late: bool = False
 

@@ -136,7 +136,7 @@ class McapWriter:
     def _change(
         self,
         stamp_ns: int,
-        item: packets.SlipEvent | packets.StateChange,
+        item: packets.OfChannel,
         before: int,
         late: bool,
         start: bool,

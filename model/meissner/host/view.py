@@ -112,7 +112,7 @@ class View:
             what = f"{channel}{state_name(item.before)} to {state_name(item.state)}{late}"
         return f"{self._at(item)}{what}, peak-to-peak {self._p2p(item)}"
 
-    def _p2p(self, item: packets.SlipEvent | packets.StateChange) -> str:
+    def _p2p(self, item: packets.OfChannel) -> str:
         volts = "" if item.p2p_v is None else f", {1e3 * item.p2p_v:.1f} mV"
         return f"{item.p2p}{volts}" + ("" if item.p2p_n is None else f", {1e3 * item.p2p_n:.1f} mN")
 

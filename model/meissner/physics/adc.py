@@ -148,11 +148,6 @@ def unsettled(part: str, settle_s: float, rows: list[dict[str, float]]) -> str:
     )
 
 
-def part_noise_v(part: str, volts: float) -> float:
-    """A part's own noise at a full scale of ``volts``; in proportion to its range."""
-    return PARTS[part].noise_v * volts / PARTS[part].high_v
-
-
 ORIGINS = {
     "MCP3208_NOISE_V": (
         "computed",

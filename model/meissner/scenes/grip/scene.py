@@ -9,7 +9,7 @@ from msgspec import Meta
 from msgspec.structs import replace
 
 from meissner.builds import config as builds
-from meissner.physics import adc, grip, mesh_loads, plate
+from meissner.physics import grip, mesh_loads, plate
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Solution
 from meissner.scenes import base
@@ -128,8 +128,8 @@ def build(name, table):
         if found.cop_slip is None:
             raise ValueError(f"'{keys.build}' must have kind = 'electrodes' and the table [cop_slip]")
     lag, registers = found.cop_slip
-    noise_v = adc.part_noise_v(found.part.name.upper(), found.adc.volts)
-    config = dataclasses.replace(found.cop4, adc=dataclasses.replace(found.cop4.adc, noise_v=noise_v))
+    noisy = dataclasses.replace(found.cop4.adc, noise_v=found.input.noise_v)
+    config = dataclasses.replace(found.cop4, adc=noisy)
     world = values(keys.world)
     conditions = (*world.pop("pulls"), *world.pop("grips"))
     settings = {"config": config, "lag": lag, "registers": registers, "rate_hz": found.rate_hz}
