@@ -139,7 +139,34 @@ async def asked_again_it_starts_over(dut):
     await bench.RisingEdge(dut.clk_i)
 
 
-EVIDENCE = {"equivalence": {"size": {"Channels": 5}}}
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_report_comes_after_an_upset(dut):
+    """Of each register, at rest: once what waits has been read, a report is the model's again."""
+    reader, first = await begin(dut)
+    for register in (dut.sending, dut.asked, dut.chunk_valid_o, dut.place, dut.which, dut.fits_q):
+        await rest(reader)
+        register.value = (1 << len(register)) - 1
+        await rest(reader)
+        while dut.chunk_valid_o.value == 1:
+            await reader.packet()
+            await rest(reader)
+        reader.ask = 1
+        await reader.clock()
+        await rest(reader)
+        for expected in report(reader.states, first):
+            assert await reader.packet() == expected, register._name
+            await rest(reader)
+
+
+EVIDENCE = {
+    "equivalence": {"size": {"Channels": 5}},
+    # A frame is a report: asked for again during a packet, it comes after that one.
+    "faults": {
+        "size": {"Channels": 5},
+        "settle": 2,
+        "driver": {"frame": "report_i", "strobe": "step_i", "join": 1, "repeat": 4},
+    },
+}
 
 
 @pytest.mark.parametrize(
