@@ -24,22 +24,22 @@ _LISTS = ("feature", "threshold", "left", "right")
 
 @dataclass(frozen=True, eq=False)
 class Feature:
-    """``thresholds``: float64, ascending, of a feature whose values become ranks; None: integers that pass."""
+    """``thresholds``: float64, ascending, if values become their ranks; None: integers that pass."""
 
     name: str
     thresholds: Any = None
 
     @property
     def bounds(self):
-        """The least and the greatest threshold of a node."""
+        """The least and the greatest threshold of a node; with the greatest rank every value goes left."""
         if self.thresholds is None:
             return -INTEGER_LIMIT, INTEGER_LIMIT - 1
-        return 0, len(self.thresholds) - 1
+        return 0, len(self.thresholds)
 
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """Inner nodes, int64 [nodes] each; a child below 0 is the leaf -1 - child. A tree without nodes is ``leaf``.
+    """Inner nodes, int64 [nodes]; a child below 0 is the leaf -1 - child. A tree without nodes is ``leaf``.
 
     ``missing_left``: bool [nodes], where a value that is missing goes, or None.
     """
@@ -244,8 +244,8 @@ def _tree(value, place, bounds, leaves):
     for name in ("left", "right"):
         child = lists[name]
         says = f"must be a later node below {count}, or a leaf, {-leaves} .. -1"
-        check((child < -leaves) | (child >= count), lambda i, c=child, n=name: f"{n} = {c[i]} {says}")
-        check((child >= 0) & (child <= own), lambda i, c=child, n=name: f"{n} = {c[i]} {says}")
+        wrong = (child < -leaves) | (child >= count) | ((child >= 0) & (child <= own))
+        check(wrong, lambda i, c=child, start=f"{name} =", end=says: f"{start} {c[i]} {end}")
     first = np.where(lists["left"] >= 0, lists["left"], lists["right"])
     check((first >= 0) & (first != own + 1), lambda i: f"its first inner child must be node {i + 1}")
     children = np.concatenate([lists["left"], lists["right"]])

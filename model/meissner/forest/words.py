@@ -28,19 +28,21 @@ class Words(NamedTuple):
     leaves: NDArray[np.uint16]
 
 
+def fits(thresholds) -> bool:
+    """Whether the thresholds, and values that saturate, keep their order in the word's bits."""
+    return bool(((thresholds >= -THRESHOLD_LIMIT) & (thresholds <= THRESHOLD_LIMIT - 2)).all())
+
+
 def check(model: Model) -> None:
     """Raise ValueError if the word has no room for ``model``."""
     if len(model.features) > FEATURES:
         raise ValueError(f"{len(model.features)} features are more than the {FEATURES} of a node's word")
     if len(model.classes) != 2 and len(model.leaves) > LEAVES:
         raise ValueError(f"{len(model.leaves)} distinct leaves are more than the {LEAVES} of a node's word")
-    for tree in model.trees:
-        for low in tree.threshold[
-            (tree.threshold < -THRESHOLD_LIMIT) | (tree.threshold > THRESHOLD_LIMIT - 2)
-        ]:
-            raise ValueError(
-                f"the threshold {low} does not fit {THRESHOLD_BITS} bits; export that feature as a float"
-            )
+    for index, tree in enumerate(model.trees):
+        if not fits(tree.threshold):
+            bits = f"{THRESHOLD_BITS} bits"
+            raise ValueError(f"tree {index}: a threshold does not fit {bits}; export that feature as a float")
 
 
 def pack(model: Model, trees=None) -> Words:
