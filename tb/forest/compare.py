@@ -17,19 +17,35 @@ def agree(forest, model, x, what):
     return int(tie.sum()), int(other.sum())
 
 
-def sides(model):
-    """Rows in which one feature lies at a threshold of a node, or a step of float32 beside it, and the other
-    features as training left them; the numbers of thresholds whose float32 is above, and below."""
+def sides(trees, x):
+    """For each node of ``trees`` a row of ``x`` that comes to it, with its feature at the threshold, at the
+    float32 of that, and a step of float32 below and above; how many float32 are above, below theirs."""
     rows, above, below = [], 0, 0
-    middle = np.median([tree.tree_.threshold[tree.tree_.feature >= 0].mean() for tree in model.estimators_])
-    for tree in model.estimators_:
-        inner = tree.tree_.children_left >= 0
-        for feature, threshold in zip(tree.tree_.feature[inner], tree.tree_.threshold[inner]):
+    for each in trees:
+        tree = each.tree_
+        paths = each.decision_path(x.astype(np.float32)).tocsc()
+        for node in np.flatnonzero((tree.children_left >= 0) & (np.diff(paths.indptr) > 0)):
+            threshold = tree.threshold[node]
             single = np.float32(threshold)
             above, below = above + (single > threshold), below + (single < threshold)
-            ends = np.nextafter(single, np.float32([-np.inf, np.inf]), dtype=np.float32)
-            for value in (threshold, single, *ends):
-                row = np.full(model.n_features_in_, middle)
-                row[feature] = value
+            for value in (threshold, single, *np.nextafter(single, np.float32([-np.inf, np.inf]))):
+                row = x[paths.indices[paths.indptr[node]]].copy()
+                row[tree.feature[node]] = value
                 rows.append(row)
     return np.array(rows), above, below
+
+
+def walk(trees, rows, of_value=np.float32, of_threshold=np.float64, compare=np.less_equal, hard=False):
+    """Index of the class by a plain walk through scikit-learn's arrays, by its rules or the given ones."""
+    found = []
+    for row in rows:
+        votes = 0
+        for each in trees:
+            tree, node = each.tree_, 0
+            while (left := tree.children_left[node]) >= 0:
+                value, threshold = of_value(row[tree.feature[node]]), of_threshold(tree.threshold[node])
+                node = left if compare(value, threshold) else tree.children_right[node]
+            leaf = tree.value[node, 0]
+            votes = votes + (np.eye(len(leaf))[leaf.argmax()] if hard else leaf)
+        found.append(np.argmax(votes))
+    return np.array(found)

@@ -10,7 +10,7 @@ from sklearn.ensemble import ExtraTreesClassifier, RandomForestClassifier
 from sklearn.tree import DecisionTreeClassifier, ExtraTreeClassifier
 
 import meissner
-from forest.compare import agree, sides
+from forest.compare import agree, sides, walk
 from meissner.forest import file, quantise
 
 IRIS, WINE = load_iris(return_X_y=True), load_wine(return_X_y=True)
@@ -49,20 +49,48 @@ def test_wine_with_a_hundred_deep_trees():
         agree(meissner.Forest(model), model, x, f"wine, {kind.__name__}")
 
 
-def test_values_at_each_threshold_and_a_step_of_float32_beside_it():
-    """Thresholds are float64: of a value whose float32 lies above its float64, and of one below, the nearest
-    float32 decides as scikit-learn's does. Extra trees draw thresholds of all 53 bits."""
+DRAWN = ExtraTreesClassifier(3, max_depth=6, min_samples_leaf=3, random_state=1)  # thresholds of 53 bits
+HALVES = RandomForestClassifier(3, max_depth=4, random_state=1)  # means of two values
+
+
+@pytest.mark.parametrize("model", [DRAWN, HALVES, ExtraTreeClassifier(random_state=2)], ids=repr)
+def test_values_at_each_threshold_and_a_step_of_float32_beside_it(model):
     x, y = WINE
-    for model in (
-        ExtraTreesClassifier(5, random_state=1).fit(x, y),
-        RandomForestClassifier(5, random_state=1).fit(x, y),
-    ):
-        forest = meissner.Forest(model)
-        rows, above, below = sides(model)
-        assert below and (above or isinstance(model, RandomForestClassifier))
-        found = forest.process(rows)
-        assert np.array_equal(found.index, model.predict(rows))
-        agree(forest, model, rows, f"{len(rows)} rows at thresholds of {type(model).__name__}")
+    model.fit(x, y)
+    forest = meissner.Forest(model)
+    trees = getattr(model, "estimators_", [model])
+    rows, above, below = sides(trees, x)
+    print(f"{len(rows)} rows; the float32 of {above} thresholds is above, of {below} below")
+    assert below and (above or model is HALVES)
+    assert np.array_equal(forest.process(rows).index, model.predict(rows))
+    assert np.array_equal(forest.process(rows).index, walk(trees, rows))
+
+
+FAULTS = {  # of converters: what they do otherwise
+    "values stay float64": {"of_value": np.float64},
+    "thresholds become float32": {"of_threshold": np.float32},
+    "below, not up to the threshold": {"compare": np.less},
+    "values become integers of 16 bits": {"of_value": lambda value: np.int16(np.clip(value, -32768, 32767))},
+    "thresholds with six digits": {"of_threshold": lambda value: np.float64(f"{value:.6g}")},
+    "each tree votes for one class": {"hard": True},
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_the_rows_show_the_faults_of_other_converters(fault):
+    """Each of these gives other classes for some of the rows, while the forest gives scikit-learn's."""
+    wrong = 0
+    for model, x in (
+        (DRAWN, WINE[0]),
+        (HALVES, np.rint(WINE[0])),
+    ):  # no float32 equals a threshold that is drawn
+        model.fit(x, WINE[1])
+        rows = np.concatenate([sides(model.estimators_, x)[0], x])
+        theirs = model.predict(rows)
+        wrong += (walk(model.estimators_, rows, **FAULTS[fault]) != theirs).sum()
+        assert np.array_equal(meissner.Forest(model).predict(rows), theirs)
+    print(f"{fault}: {wrong} rows have another class")
+    assert wrong
 
 
 def test_the_rank_is_the_number_of_thresholds_below():
@@ -172,13 +200,14 @@ def test_what_no_forest_takes_is_refused():
         with pytest.raises(ValueError, match=says):
             forest.process(rows)
     named = DecisionTreeClassifier().fit(x, y)
+    theirs = named.predict(x)
     named.feature_names_in_ = np.array(["a", "b", "c", "d"], object)
     forest = meissner.Forest(named)
     with pytest.raises(ValueError, match="the feature c is missing"):
         forest.predict(table(x, ["a", "b", "x", "d"]))
     with pytest.raises(ValueError, match="in this order"):
         forest.predict(table(x, ["b", "a", "c", "d"]))
-    assert np.array_equal(forest.predict(table(x, ["a", "b", "c", "d"])), named.predict(x))
+    assert np.array_equal(forest.predict(table(x, ["a", "b", "c", "d"])), theirs)
 
 
 def test_pieces_give_what_the_whole_gives(monkeypatch):

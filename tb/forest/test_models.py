@@ -28,6 +28,7 @@ from sklearn.tree import DecisionTreeClassifier
 import meissner
 from forest.compare import ERROR, agree, sides
 from meissner import cli
+from meissner.builds.toolchain import ROOT
 
 X, Y = load_wine(return_X_y=True)
 KINDS = [
@@ -190,18 +191,15 @@ def onnx_of(path, model, **options):
 @pytest.mark.parametrize("two", [True, False], ids=["two", "three"])
 @pytest.mark.parametrize("model", KINDS, ids=NAMES)
 def test_onnx_files_give_what_onnxruntime_gives(tmp_path, model, two):
-    """Also at the thresholds, which the file holds as float32. onnxruntime adds a float32 for each tree, so its
-    probabilities have an error of their own: half a unit in the last place of one, a tree."""
+    """Also at the thresholds, which the file holds as float32. onnxruntime adds a float32 a tree, which
+    gives its probabilities an error of their own: half a unit in the last place of one, a tree."""
     names = np.array(["a", "b", "c"])[Y]
     model.fit(X, Y > 0 if two else names)
     onnx_of(tmp_path / "m.onnx", model, options={"zipmap": False})
     forest = meissner.Forest.from_file(tmp_path / "m.onnx")
     session = onnxruntime.InferenceSession(tmp_path / "m.onnx")
     trees = getattr(model, "estimators_", [model])
-    every = RandomForestClassifier()
-    every.estimators_, every.n_features_in_ = trees, X.shape[1]
-    rows = sides(every)[0]
-    assert rows.size
+    rows = sides(trees, X)[0]
     for x in (X, rows):
         label, theirs = session.run(None, {"X": x.astype(np.float32)})
         ours = forest.predict_proba(x)
@@ -314,6 +312,13 @@ def test_files_that_are_not_whole_are_refused(tmp_path, suffix):
         with pytest.raises(ValueError) as refused:
             meissner.Forest.from_file(path, trust=True)
         assert str(refused.value).startswith(str(path)) and "\n" not in str(refused.value), size
+
+
+def test_the_ten_lines_of_the_page_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "docs/forest.md").read_text("utf-8").partition("```python\n")[2].partition("```")[0]
+    exec(compile(text, "forest.md", "exec"), {})
+    assert capsys.readouterr().out == "True\n" and meissner.Forest.from_file("wine.json")
 
 
 def run(capsys, *arguments):
