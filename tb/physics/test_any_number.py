@@ -196,13 +196,16 @@ def test_the_public_interface_refuses_it(bad):
 
 
 def test_numbers_are_checked_once_at_the_outermost_call(monkeypatch):
-    """volts calls rest_volts, which calls conductance. After a refusal, and in another thread, calls are
-    checked again."""
+    """volts calls rest_volts, which calls conductance. After a refusal, after an error within a call, and in
+    another thread, calls are checked again."""
     seen, check = [], arrays.check_finite
     monkeypatch.setattr(arrays, "check_finite", lambda name, value: seen.append(name) or check(name, value))
+    fails = arrays.finite(lambda value: {}[value])
     for _ in range(2):
+        with pytest.raises(KeyError):
+            fails(3.0)
         rubber.volts(2.0, 0.5, 0.01)
-        assert seen == ["force_n", "level", "share"]
+        assert [seen.pop(0), *seen] == ["value", "force_n", "level", "share"]
         with pytest.raises(ValueError, match="force_n"):
             rubber.rest_volts(np.inf)
         assert seen[3:] == ["force_n"]

@@ -103,6 +103,9 @@ CORE_TIED = {
     **{"rx_i": 1, "out_ready_i": 1, "verdict_o": None, "decision_o": None, "in_ready_o": None},
 }
 
+AD7606 = {"Part": 2, "Lanes": 2, "ClkKhz": 100000}
+UNCOUNTED = dict.fromkeys(("dropped_o", "overrun_o", "timeout_o", "mistagged_o", "over_range_o"))
+
 # Name: module, parameters, latency in clocks for the ns figure (or None), targets, tied ports (or nothing).
 ALONE = {"Health": 0, "Tare": 0, "Tap": 0}  # calibration and centre of pressure
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
@@ -123,7 +126,8 @@ TABLE = {
     "haar-8": ("msn_haar", {"Channels": 8, "SampleBits": 16, "Level": 2}, 2, "ecp5"),
     "divide-34": ("msn_divide", {}, 9, "ecp5"),
     "divide-34-turn1": ("msn_divide", {"BitsPerClock": 1}, 16, "ecp5"),
-    "adc_spi-ad7606": ("msn_adc_spi", {"Part": 2, "Lanes": 2, "ClkKhz": 100000}, None, "ecp5"),
+    "adc_spi-ad7606": ("msn_adc_spi", AD7606, None, "ecp5"),
+    "adc_spi-ad7606-uncounted": ("msn_adc_spi", AD7606, None, "ecp5", UNCOUNTED),
     "adc_spi-max11123": (
         "msn_adc_spi",
         {"Part": 3, "ClkKhz": 25000, "SclkKhz": 16000, "Trigger": 1, "SampleBits": 13},
