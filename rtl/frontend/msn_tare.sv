@@ -67,7 +67,7 @@ module msn_tare #(
     $fatal(1, "msn_tare: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_tare: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_tare: Lanes = %0d must lie in 1 .. 8", Lanes);
   end
   if (FractionBits < 1 || FractionBits > 16) begin : gen_check_fraction_bits
     $fatal(1, "msn_tare: FractionBits = %0d must lie in 1 .. 16", FractionBits);

@@ -124,7 +124,7 @@ class Line:
             raw = np.array(bench.lane_values(beat["data"], twin.lanes, 17, signed=True))
             over = bench.lane_values(beat["user"], twin.lanes, 1)
             forces, mask, news, cop = twin.beat(raw, over, beat["id"], beat["last"], beat["fits"])
-            faults += reports(news, twin.lanes)
+            faults += reports(news, twin.lanes, twin.columns)
             if forces is None:
                 continue
             lanes = (twin.columns - 1) % twin.lanes + 1 if beat["row_last"] else twin.lanes
