@@ -178,6 +178,8 @@ module msn_cop_accumulate #(
     u_scale_x (.in_data_i(sum), .out_data_o(sum_x));
   msn_constant_multiplier #(.Constant(ScaleY), .InBits(SumBits))
     u_scale_y (.in_data_i(sum), .out_data_o(sum_y));
+  logic unused_scaled;  // above the results' bits
+  assign unused_scaled = ^{sum_x, sum_y};
 
   always_ff @(posedge clk_i) begin
     if (free) begin

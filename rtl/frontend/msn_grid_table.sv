@@ -65,7 +65,7 @@ module msn_grid_table #(
   assign status_o  = swapping;
   assign there     = {1'b0, cfg_i.word} < (cfg_i.write_row ? 21'(Rows) : 21'(RowBeats));
   assign write_row = cfg_i.write_written && cfg_i.write_row && there;
-  assign write     = (cfg_i.write_written && !cfg_i.write_row && there) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign write     = (cfg_i.write_written && !cfg_i.write_row && there) ? Lanes'(cfg_i.write_lanes) : '0;
   assign restart   = last_i || !fits_i;
   assign swap      = swapping && !midway;
 

@@ -92,7 +92,7 @@ module msn_tare #(
   logic [31:0] swallowed_count;  // frames dropped while loading
   logic [Lanes-1:0] written;
   assign ask     = cfg_i.average || (start_i && cfg_i.at_start);
-  assign written = (cfg_i.write_written && {1'b0, cfg_i.word} < 21'(Beats)) ? cfg_i.write[Lanes-1:0] : '0;
+  assign written = (cfg_i.write_written && {1'b0, cfg_i.word} < 21'(Beats)) ? Lanes'(cfg_i.write) : '0;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
   assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: accept is known late

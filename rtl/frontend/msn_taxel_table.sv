@@ -81,7 +81,7 @@ module msn_taxel_table #(
   logic             there;
   logic [Lanes-1:0] write;
   assign there = {1'b0, cfg_i.word} < 21'(Words);
-  assign write = (cfg_i.write_written && !cfg_i.write_row && there) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign write = (cfg_i.write_written && !cfg_i.write_row && there) ? Lanes'(cfg_i.write_lanes) : '0;
   logic unused_cfg;
   assign unused_cfg  = ^cfg_i;
   assign out_valid_o = valid && !swap && !stale;

@@ -118,10 +118,9 @@ class Size:
         self.sample_bits = 17
 
     def beats_of(self, frame):
-        """The lanes' samples of each beat of ``frame``; lanes past the last column carry what must not count."""
-        return np.pad(frame, ((0, 0), (0, -self.columns % self.lanes)), constant_values=-9999).reshape(
-            -1, self.lanes
-        )
+        """The lanes' samples of each beat of ``frame``; lanes past the last column must not count."""
+        beside = np.full((self.rows, -self.columns % self.lanes), -9999)
+        return np.hstack([frame, beside]).reshape(-1, self.lanes)
 
 
 def array_twin(dut):
