@@ -125,8 +125,8 @@ module msn_core #(
   if (Cop4 ? Slip || Channels != 4 : CopSlip || Correct) begin : gen_check_cop4
     $fatal(1, "msn_core: Cop4 must go with Channels = 4, not Slip; CopSlip and Correct with Cop4 = 1");
   end
-  if (!Array && Converters != 1) begin : gen_check_lanes
-    $fatal(1, "msn_core: Converters = %0d must be 1 without Array", Converters);
+  if (Array ? !msn_pkg::are_lanes(Converters) : Converters != 1) begin : gen_check_lanes
+    $fatal(1, "msn_core: Converters = %0d must lie in 1 .. 8, and be 1 without Array", Converters);
   end
   if (SampleBits > 17 || (SampleBits != 17 && (Array || Cop4))) begin : gen_check_sample_bits
     $fatal(1, "msn_core: SampleBits = %0d must be at most 17, and 17 with Array or Cop4", SampleBits);

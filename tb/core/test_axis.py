@@ -505,7 +505,7 @@ def test_it_has_every_feature_of_the_core():
         ({"Array": 0, "Image": 0, "Cop4": 1, "Channels": 4}, "Cop4 must go with"),
         ({"Array": 0, "Image": 1}, "must go with Array = 1"),
         ({"Array": 0, "Image": 0, "CopSlip": 1}, "CopSlip and Correct with Cop4"),
-        ({"Lanes": 9}, "Lanes = 9 must lie in 1 .. 8"),
+        ({"Lanes": 9}, "Converters = 9 must lie in 1 .. 8"),
     ],
 )
 def test_refuses_illegal_parameters(parameters, sentence):
