@@ -59,7 +59,7 @@ module formal_adc_spi #(
 
   // What proof `spi_shift` assumes: its parameters, and when a word starts.
   logic reading;
-  assign reading = dut.u_shift.run_q;
+  assign reading = dut.running;
   always_comb begin
     if (!started) assume (rst_i);
     assert (Tagged || (Clock * Half >= Level && Clock * Half >= Lead));
@@ -92,12 +92,12 @@ module formal_adc_spi #(
   logic [7:0]            word, words, code;  // code: the store's number of this word
   logic [15:0]           command;
   logic                  sets_up, asks_setup, stores, wrong;
-  logic                  busy_1, busy_2, busy_3, drop, bad, over, ready, tick, waits, gives_up, ends, resumes;
+  logic                  busy_1, busy_2, busy_3, drop, bad, open, over, ready, tick, waits, gives_up, ends, resumes;
   logic                  convert_due, lost_due, reset_due, convst_due, rises, falls;
   logic [31:0]           dropped, overrun, timeout, mistagged, over_range;
   assign tick     = cfg_enable_i && (Trigger ? trigger_i : ready && left == '0);
-  assign waits    = state == Rise || state == Fall;
-  assign gives_up = HasBusy && waits && watch == '1;
+  assign waits    = HasBusy && (state == Rise || state == Fall);
+  assign gives_up = waits && watch == '1;
   assign rises    = busy_2 && !busy_3;
   assign falls    = state == Fall && !busy_2;
   assign ends     = state == Read && dut.done && word == '0;
@@ -127,7 +127,9 @@ module formal_adc_spi #(
     if (dut.word) word <= (word == words - 1'b1) ? '0 : word + 1'b1;
     if (convert_o) drop <= dut.pending;
     if (wrong) bad <= 1'b1;
-    if (state == Idle && tick) bad <= 1'b0;
+    if (stores && word == words - 1'b1 && !drop && !bad && !wrong) open <= 1'b0;
+    if (ends || gives_up) open <= 1'b0;
+    if (state == Idle && tick) {open, bad} <= 2'b10;
     over        <= out_valid_o && out_ready_i && out_user_o;
     convert_due <= state == Idle && tick;
     lost_due    <= (ends && (drop || bad)) || gives_up || (tick && state != Idle);
@@ -144,6 +146,7 @@ module formal_adc_spi #(
       start       <= StartBits'(Start - 1);
       left        <= '0;
       word        <= '0;
+      open        <= 1'b0;
       over        <= 1'b0;
       convert_due <= 1'b0;
       lost_due    <= 1'b0;
@@ -153,10 +156,11 @@ module formal_adc_spi #(
     end
   end
   always_comb begin
-    if (!started) begin  // both begin in the same state, which is arbitrary
-      assume (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
+    if (!started) begin  // both begin in the same state, which is arbitrary, but one that can occur
+      assume (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.open_q == open && dut.watch_q == watch);
       assume (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3 && dut.ready_q == ready);
       assume (dut.left_q == left && 32'(dut.word_q) == 32'(word) && state <= Read && (SetupWords != 0 || state != Setup));
+      assume (reading == (state == Setup || state == Read) && (open || !waits));
     end
     if (started) begin
       assert (convert_o == convert_due && lost_o == lost_due && adc_reset_o == reset_due && adc_convst_o == convst_due);
@@ -170,12 +174,14 @@ module formal_adc_spi #(
       if (stores) assert (8'(dut.u_store.in_word_i) == code);
       assert (dut.u_store.in_data_i == (Tagged ? (Lanes * DataBits)'(dut.kept[11-:DataBits]) : dut.kept));
       // Invariant.
-      assert (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
+      assert (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.open_q == open && dut.watch_q == watch);
       assert (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3);
       assert (dut.left_q == left && 32'(dut.word_q) == 32'(word) && word < words && dut.over_q == over);
       assert (dut.start_q == start && (ready || (NeedsStart && state <= Idle)));
       if (!NeedsStart) assert (state != Reset);
       if (state != Setup && state != Read) assert (word == '0);
+      // A frame is open until its last word, and until its end if that word is not sent.
+      assert (open == (waits || (state == Read && (word != '0 || !adc_cs_n_o || drop || bad))));
     end
   end
 

@@ -71,8 +71,8 @@ class Codes:
 class Harness:
     """The master, its part, and a record of all events by clock."""
 
-    def __init__(self, dut, limits=None, report=None, conversion_ns=None):
-        self.dut = dut
+    def __init__(self, dut, limits=None, report=None, conversion_ns=None, upset=False):
+        self.dut, self.upset = dut, upset
         value = lambda name: getattr(dut, name).value.to_unsigned()
         self.twin = AdcSpi(
             PARTS[value("Part")],
@@ -110,7 +110,7 @@ class Harness:
         Clock(dut.clk_i, 1_000_000_000 // self.twin.clk_khz, unit="ps").start()
         await bench.clocks(dut, 3)
         self.part = self.make()
-        if self.twin.part is MCP3208:
+        if self.twin.part is MCP3208 and not self.upset:
             cocotb.start_soon(self.hear_commands())
         await bench.clocks(dut, 3)
         dut.rst_i.value = 0
@@ -159,7 +159,7 @@ class Harness:
                 self.converts.append(self.clock)
                 self.times.append(get_sim_time("ps") / 1000)
                 launched = bench.high(convst) if has_busy else cs_n.value == 0
-                assert launched, "convert_o without a conversion"
+                assert launched or self.upset, "convert_o without a conversion"
             assert has_busy or bench.read(convst) == 0, "CONVST of a part that has none"
             if bench.high(lost):
                 self.losses.append(self.clock)
@@ -442,6 +442,45 @@ async def a_new_period_holds_from_the_next_tick(dut):
     assert intervals[: len(periods)] == periods
     await harness.stop()
     assert harness.check() == 0
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def goes_on_after_an_upset(dut):
+    """In any clock of a frame, of the state (also to codes that no state has), of the shifter and more:
+    every tick gives a complete frame or a loss, and a period later the frames are right and in time."""
+    reports, draw = [], random.Random(bench.SEED)
+    harness = Harness(dut, report=reports.append, upset=True)
+    part, channels = harness.twin.part, harness.twin.channels
+    await harness.start(harness.twin.safe_period() + 13 + len(part.setup) * part.cs_clocks(harness.twin.half))
+    upsets = [(dut.state_q, code) for code in range(8)]
+    upsets += [(each, level) for each in (dut.open_q, dut.bad_q) for level in (0, 1)]
+    upsets += [(each, (1 << len(each)) - 1) for each in (dut.word_q, dut.drop_q)]
+    if hasattr(dut, "u_shift"):
+        upsets += [(each, level) for each in (dut.u_shift.run_o, dut.u_shift.spi_cs_n_o) for level in (0, 1)]
+    for register, value in upsets:
+        for at in (0, 1, 2, *draw.sample(range(3, harness.period), 4)):
+            sent, lost = len(harness.beats), len(harness.losses)
+            await harness.run(at)
+            register.value = value
+            await harness.run(2 * harness.period - at)
+            what = register._name, value, at
+            ids, lost = [beat[2] for beat in harness.beats[sent:]], len(harness.losses) - lost
+            starts = [n for n, channel in enumerate(ids) if channel == 0]
+            pieces = [ids[start:end] for start, end in pairwise([*starts, len(ids)])]
+            whole = pieces.count([*range(channels)])
+            if register._name in ("state_q", "run_o"):
+                assert whole + lost == 2, what
+            assert len(pieces) == whole or register is not dut.state_q, what
+            reports.clear()
+            await harness.run(harness.period)
+            assert not reports, (what, reports)
+            if part.has_busy:
+                codes = harness.part.frames[-1][:channels]
+            else:
+                codes = [code for _, code, _ in harness.part.conversions[-channels:]]
+            data, _ = harness.twin.samples(codes)
+            expected = list(zip(data.tolist(), range(channels)))
+            assert [beat[1:3] for beat in harness.beats[sent + len(ids) :]] == expected, what
 
 
 @bench.applies(lambda dut: dut.Channels.value.to_unsigned() == 1)
@@ -838,6 +877,19 @@ def test_adc_spi(parameters):
 )
 def test_adc_spi_with_triggers(parameters):
     bench.run("frontend", "adc_spi", parameters | {"Trigger": 1}, test_filter="triggers_")
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Part": 1, "Channels": 3, "ClkKhz": 8_000, "SclkKhz": 2_000},
+        {"Part": 2, "Channels": 6, "Lanes": 2, "ClkKhz": 12_500, "SclkKhz": 14_500},
+        {"Part": 4, "Channels": 2, "ClkKhz": 16_000, "SclkKhz": 16_000},
+    ],
+    ids=lambda p: "-".join(map(str, p.values())),
+)
+def test_adc_spi_with_upsets_of_its_shifter(parameters):
+    bench.run("frontend", "adc_spi", parameters, test_filter="goes_on_", inside=["msn_spi_shift"])
 
 
 test_refuses_illegal_parameters = refusals(
