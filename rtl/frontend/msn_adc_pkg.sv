@@ -145,7 +145,7 @@ package msn_adc_pkg;
   endfunction
 
   function automatic int unsigned lane_channels(int unsigned lanes);
-    lane_channels = 8 / ((lanes < 1) ? 1 : lanes);
+    lane_channels = (lanes < 1 || lanes > 8) ? 1 : 8 / lanes;
   endfunction
 
   function automatic int unsigned sclk_max_khz(int unsigned part);
