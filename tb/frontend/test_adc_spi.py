@@ -470,8 +470,13 @@ async def goes_on_after_an_upset(dut):
             whole = pieces.count([*range(channels)])
             if register._name in ("state_q", "run_o"):
                 assert whole + lost == 2, what
-            assert len(pieces) == whole or register is not dut.state_q, what
+            # A setup in mid-frame ends one whose samples leave one by one.
+            cut = register is not dut.state_q or (value == 1 and part.has_busy and part.setup)
+            assert len(pieces) == whole or cut, what
+            if register is dut.state_q and value == 0:  # Reset: the part is reset and set up as after rst_i
+                await harness.run(-(-harness.twin.start_clocks() // harness.period) * harness.period)
             reports.clear()
+            sent = len(harness.beats)
             await harness.run(harness.period)
             assert not reports, (what, reports)
             if part.has_busy:
@@ -480,7 +485,7 @@ async def goes_on_after_an_upset(dut):
                 codes = [code for _, code, _ in harness.part.conversions[-channels:]]
             data, _ = harness.twin.samples(codes)
             expected = list(zip(data.tolist(), range(channels)))
-            assert [beat[1:3] for beat in harness.beats[sent + len(ids) :]] == expected, what
+            assert [beat[1:3] for beat in harness.beats[sent:]] == expected, what
 
 
 @bench.applies(lambda dut: dut.Channels.value.to_unsigned() == 1)
