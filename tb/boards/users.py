@@ -92,11 +92,11 @@ USERS = {  # name: (text for a given clock, lines on the headers)
         BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 8},
     ),
     "nine": (
-        lambda mhz: array(mhz, "AD7606", 9, 7, 1, 7),
-        BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 5},
+        lambda mhz: array(mhz, "AD7606C-16", 9, 7, 1, 7, lanes=4),
+        BUSY | {"adc_mosi_o": 1, "adc_busy_i": 1, "adc_miso_i": 4, "row_o": 5},
     ),
     "max": (
-        lambda mhz: array(mhz, "MAX11125", 3, 4, 2, 2),
+        lambda mhz: array(mhz, "MAX11131", 3, 4, 2, 2),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 3},
     ),
     "each": (

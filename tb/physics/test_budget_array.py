@@ -10,11 +10,11 @@ import pytest
 from harness.command import meissner
 from meissner import cli
 from meissner.budget import array as budget
-from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11125, MCP3208
 
 
 @pytest.mark.parametrize("rows, columns", [(1, 1), (3, 3), (16, 16), (64, 64), (5, 100)])
-@pytest.mark.parametrize("part", [AD7606, MCP3208, MAX11125], ids=lambda part: part.name)
+@pytest.mark.parametrize("part", [AD7606, AD7606C, MCP3208, MAX11125], ids=lambda part: part.name)
 def test_terms_add_up_and_follow_what_they_stand_for(rows, columns, part):
     found = budget.budget(rows, columns, 50e6, part, converters=2, channels=8)
     assert sum(found["terms_clocks"].values()) == found["total_clocks"]
@@ -47,6 +47,18 @@ def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
             assert within == (lanes is not None and other >= lanes), (side, other)
     assert budget.budget(16, 16, 100e6, AD7606)["converters_needed"] == 1
     assert budget.budget(64, 64, 100e6, AD7606)["converters_needed"] == 8
+
+
+@pytest.mark.parametrize("lanes, slot, transfer", [(1, 618, 543), (2, 505, 275), (4, 505, 141), (8, 505, 74)])
+def test_an_ad7606c_needs_four_converters_on_any_number_of_lines(lanes, slot, transfer):
+    """At 100 MHz a bit is four clocks and a word 17 bits, so 8 words take 544. BUSY is low after 71, the
+    words begin 3 later. 5 us, one clock and the 4 until the inputs may change are 505: only one line takes
+    longer. The last sample comes after 3 clocks, the words but the last rest, and a clock for each sample of
+    the other lines."""
+    found = budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0, adc_lanes=lanes)
+    assert (found["converters_needed"], found["slot_clocks"]) == (4, slot)
+    assert found["terms_clocks"]["transfer"] == transfer
+    assert found == budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0) or lanes != 2
 
 
 # An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A
