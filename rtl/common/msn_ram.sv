@@ -7,7 +7,7 @@
 // The word's first register is the memory's slow output (5.8 ns on ECP5), the second the one beside it, so nothing but
 // that register may follow the memory. Reading a word in the clock in which it is written is undefined: the user
 // checks that no result depends on it. Where synthesis does not use the memory's own output register there is another
-// version: rtl/ecp5/msn_ram.sv.   Model: model/meissner/twins/common/delay.py
+// version: rtl/ecp5/msn_ram.sv. Latency 2 reads.   Model: model/meissner/twins/common/delay.py
 // Error: none.
 
 module msn_ram #(
