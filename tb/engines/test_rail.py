@@ -28,7 +28,6 @@ def build(part, volts, wiring):
         "volts": volts,
         "rate_hz": 500.0,
         "channels": 8 if part == "AD7606" else 4,
-        "settle_us": 1.0,
     }
     return config.read(
         "rail",

@@ -2,6 +2,7 @@
 figures; an even press is uneven before calibration and within 1 % after; scenes with mistakes."""
 
 import json
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -191,6 +192,50 @@ def test_a_row_starts_with_the_carrier_of_the_row_before():
     assert samples[..., 0] == pytest.approx(first, abs=scene.adc.lsb_v)
     settled = amplitude_v * np.sin(capacitive.PHASE)
     assert samples[..., scene.carrier.skip] == pytest.approx(settled, abs=scene.adc.lsb_v)
+
+
+@pytest.mark.parametrize(
+    "name, change, worse",
+    [
+        # Lines that do not settle at all: each taxel is its predecessor in the row before.
+        ("fsr_3x3", {"settle_us": 0.0, "settle_share": 1.0}, 1.5),
+        ("dense_64", {"settle_us": 0.0, "settle_share": 1.0}, 5),
+        # The AD7606 as fast as it converts; and as slowly as its filter needs for half a code.
+        ("dense_64", {"part": "AD7606", "volts": 5.0, "lanes": 2, "settle_us": 1.0, "settle_share": 1.0}, 50),
+        ("dense_64", {"part": "AD7606", "volts": 5.0, "lanes": 2, "rate_hz": 80}, None),
+    ],
+)
+def test_what_remains_of_the_row_before_moves_the_centre(tmp_path, undrawn, name, change, worse):
+    """The mean position error, as a multiple of that without a front; the same where rows settle."""
+    table = tomllib.loads(scenes.source(name))
+    table["rate_hz"] = change.pop("rate_hz", table["rate_hz"])
+    found = []
+    for scan in (None, table["scan"], table["scan"] | change):
+        made = {key: value for key, value in table.items() if key != "scan"} | (
+            {"scan": scan} if scan else {}
+        )
+        summary = run.run(scenes.build("mine", made), "fixed", tmp_path / str(len(found)), seed=1)
+        assert ("converter front" in summary["modelled"]) == (scan is not None)
+        found.append(summary["position_error"]["mean"])
+    bare, shipped, changed = found
+    assert shipped == pytest.approx(bare, rel=1e-3)
+    assert changed > worse * bare if worse else changed == pytest.approx(bare, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        ({"part": "AD7606", "settle_us": 5.0}, "settle_us is too short: 5 us after a switch 91.2 %"),
+        ({"source_ohm": 2000.0}, "source_ohm = 2000 is too large"),
+        ({"converters": 4}, "rate_hz = 1000 is too fast: a scan takes 1628 us"),
+        ({"part": "AD7607"}, "part = 'AD7607'"),
+        ({"settle": 5.0}, "settle"),
+    ],
+)
+def test_a_scan_that_its_converters_cannot_do_is_refused(change, says):
+    table = tomllib.loads(scenes.source("dense_64"))
+    with pytest.raises(ValueError, match=says):
+        scenes.build("mine", table | {"scan": table["scan"] | change})
 
 
 def test_a_held_matrix_drifts():
