@@ -175,6 +175,12 @@ def _budget(commands):
         "--channels", type=int, metavar="N", help="inputs used per converter (default: the fastest number)"
     )
     array.add_argument(
+        "--adc-lanes",
+        type=int,
+        metavar="N",
+        help="data lines of a converter (2 of an AD7606 or AD7606C, or 1)",
+    )
+    array.add_argument(
         "--sclk-khz", type=int, metavar="KHZ", help="maximum serial clock (default: the part's usual one)"
     )
     array.add_argument(

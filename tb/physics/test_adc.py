@@ -30,7 +30,8 @@ def test_ranges_of_the_parts():
     assert (PARTS["MCP3208"].min_code, PARTS["MCP3208"].max_code) == (0, 4095)
     assert (PARTS["AD7606"].min_code, PARTS["AD7606"].max_code) == (-32768, 32767)
     assert PARTS["MCP3208"].lsb_v == 5 / 4096
-    assert PARTS["AD7606"].lsb_v == 10 / 65536
+    assert PARTS["AD7606"].lsb_v == PARTS["AD7606C-16"].lsb_v == 10 / 65536
+    assert (PARTS["AD7606C-16"].min_code, PARTS["AD7606C-16"].noise_v) == (-32768, 0.172e-3)
 
 
 @pytest.mark.parametrize("part", PARTS)

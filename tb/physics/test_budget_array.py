@@ -11,11 +11,11 @@ import pytest
 from harness.command import meissner
 from meissner import cli
 from meissner.budget import array as budget
-from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11125, MCP3208, PARTS
 
 
 @pytest.mark.parametrize("rows, columns", [(1, 1), (3, 3), (16, 16), (64, 64), (5, 100)])
-@pytest.mark.parametrize("part", [AD7606, MCP3208, MAX11125], ids=lambda part: part.name)
+@pytest.mark.parametrize("part", [AD7606, AD7606C, MCP3208, MAX11125], ids=lambda part: part.name)
 def test_terms_add_up_and_follow_what_they_stand_for(rows, columns, part):
     given = {"converters": 2, "channels": 8, "settle_us": 1.0}
     found = budget.budget(rows, columns, 50e6, part, **given)
@@ -86,6 +86,18 @@ def test_a_line_for_each_part(capsys):
     cli.main(["budget", "--adc", "all", "--json"])
     found = json.loads(capsys.readouterr().out)
     assert found["max11125"] == budget.budget(64, 64, 100e6, MAX11125)
+
+
+@pytest.mark.parametrize("lanes, slot, transfer", [(1, 618, 543), (2, 505, 275), (4, 505, 141), (8, 505, 74)])
+def test_an_ad7606c_needs_four_converters_on_any_number_of_lines(lanes, slot, transfer):
+    """At 100 MHz a bit is four clocks and a word 17 bits, so 8 words take 544. BUSY is low after 71, the
+    words begin 3 later. 5 us, one clock and the 4 until the inputs may change are 505: only one line takes
+    longer. The last sample comes after 3 clocks, the words but the last rest, and a clock for each sample of
+    the other lines."""
+    found = budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0, adc_lanes=lanes)
+    assert (found["converters_needed"], found["slot_clocks"]) == (4, slot)
+    assert found["terms_clocks"]["transfer"] == transfer
+    assert found == budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0) or lanes != 2
 
 
 # An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A

@@ -87,7 +87,7 @@ def _array(arguments):
     if arguments.demod:
         names = ("sample_period", "periods", "skip")
         carrier = {name: getattr(arguments, name) for name in names}
-    names = "converters settle_us channels sclk_khz bits_per_clock settle_share volts source_ohm"
+    names = "converters settle_us channels sclk_khz bits_per_clock settle_share volts source_ohm adc_lanes"
     given = {name: getattr(arguments, name) for name in names.split()}
     given |= {"carrier": carrier, "health": not arguments.no_health, "tare": not arguments.no_tare}
     size = arguments.rows, arguments.columns, arguments.clock

@@ -38,12 +38,22 @@ def part_of(name):
     return parts[name.lower()]
 
 
-def scan_of(rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None):
+def lanes_of(part, channels):
+    """Data lines of a converter: two if it has them and each is used. With more the samples come earlier, but
+    a slot that waits for the inputs to settle is no shorter."""
+    return 2 if part.max_lanes > 1 and channels > 4 else 1
+
+
+def scan_of(
+    rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None, adc_lanes=None
+):
     """The scan of such an array; ``carrier``: arguments of ScanDemod, or None for taxels read without a
-    carrier, through ``channels`` inputs of each converter."""
+    carrier, through ``channels`` inputs of each converter on ``adc_lanes`` lines, None: as ``lanes_of``."""
     if carrier is not None:
+        if adc_lanes not in (None, 1):
+            raise ValueError(f"adc-lanes = {adc_lanes} must be 1 with a carrier")
         return ScanDemod(rows, columns, converters, part, clk_khz, sclk_khz, **carrier)
-    adc_lanes = part.max_lanes if channels > part.lane_channels else 1
+    adc_lanes = lanes_of(part, channels) if adc_lanes is None else adc_lanes
     return ScanAdc(rows, columns, converters, part, channels, adc_lanes, clk_khz, sclk_khz)
 
 
@@ -76,6 +86,7 @@ def budget(
     health=True,
     tare=True,
     bits_per_clock=2,
+    adc_lanes=None,
     settle_share=None,
     volts=None,
     source_ohm=SOURCE_OHM,
@@ -109,7 +120,8 @@ def budget(
         return min(every, key=lambda found: found["total_clocks"])
 
     def found_with(lanes, channels):
-        scan = scan_of(rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier)
+        clk_khz = round(clock_hz / 1e3)
+        scan = scan_of(rows, columns, part, clk_khz, lanes, channels, sclk_khz, carrier, adc_lanes)
         array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock=bits_per_clock)
         settling = Settling(scan, volts, settle_share, source_ohm)
         settle = settling.clocks(1.0 if carrier is not None and settle_us is None else settle_us)
@@ -158,10 +170,10 @@ def of_config(config):
     limits, zeros = Limits() if config.health else None, {} if config.tare else None
     array = Array(config.scan, limits, zeros, row_column=config.array.gains == "row_column")
     found = measured(array, config.settling, config.settle_clocks, clock_hz, adc.converters, adc.channels)
-    least = budget(
-        *(*config.shape, clock_hz, config.part, None, adc.settle_us, adc.channels, adc.sclk_khz),
-        *(None, config.array.health, config.array.tare, 2, adc.settle_share, adc.volts, adc.source_ohm),
-    )
+    names = "settle_us channels sclk_khz settle_share volts source_ohm"
+    given = {name: getattr(adc, name) for name in names.split()}
+    given |= {"health": config.array.health, "tare": config.array.tare, "adc_lanes": adc.lanes}
+    least = budget(*config.shape, clock_hz, config.part, **given)
     return found | {"config": config.name, "converters_needed": least["converters_needed"]}
 
 

@@ -73,9 +73,12 @@ MCP3208_NOISE_V = 0.198e-3
 # AD7606, +-5 V, no oversampling: typical SNR 89 dB of a full-scale sine is 0.1255 mV rms; 0.044 mV of these
 # are quantisation and 0.117 mV the part's own noise.
 AD7606_NOISE_V = 0.117e-3
+# AD7606C-16, +-5 V, wide bandwidth: an SNR of 86 dB is 0.1772 mV rms, less 0.044 mV of quantisation.
+AD7606C_NOISE_V = 0.172e-3
 PARTS = {
     "MCP3208": Adc(bits=12, low_v=0.0, high_v=5.0, noise_v=MCP3208_NOISE_V),
     "AD7606": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=AD7606_NOISE_V),
+    "AD7606C-16": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=AD7606C_NOISE_V),
 }
 
 ORIGINS = {
@@ -90,5 +93,10 @@ ORIGINS = {
         "0.8 of a code; cop_slip: without difference_gain, or with five times as much, false alarms and "
         "wrong ways",
     ),
-    "PARTS": ("datasheet", "bits and ranges of MCP3208 and AD7606; the noise is computed", "codes a volt"),
+    "AD7606C_NOISE_V": (
+        "chosen",
+        "an SNR of 86 dB of a full-scale sine at ±5 V; the data sheet's first page: 92 dB at ±20 V",
+        "1.1 codes",
+    ),
+    "PARTS": ("datasheet", "bits and ranges of the parts; the noise is computed", "codes a volt"),
 }
