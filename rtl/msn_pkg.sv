@@ -88,7 +88,7 @@ package msn_pkg;
 
   // Checks of parameters: lanes of a beat, rows or columns of an array, a power of two or 0.
   function automatic logic are_lanes(int unsigned count);
-    are_lanes = count == 1 || count == 2 || count == 4 || count == 8;
+    are_lanes = count >= 1 && count <= 8;
   endfunction
 
   function automatic logic is_side(int unsigned count);

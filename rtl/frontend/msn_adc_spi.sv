@@ -181,9 +181,9 @@ module msn_adc_spi #(
     lost_o    <= missed || overrun;
     open_q    <= frame || (open_q && !over && !stored);
     ready_q   <= ready_q || state_q == Idle;
-    start_q   <= start_q - 1'b1;
+    start_q   <= (state_q == Reset) ? start_q - 1'b1 : StartBits'(StartClocks - 1);  // whole after an upset, too
 
-    adc_reset_o <= HasReset && state_q == Reset && start_q >= StartBits'(RestClocks);
+    adc_reset_o <= HasReset && state_q == Reset && !running && start_q >= StartBits'(RestClocks);
 
     if (convert_o) drop_q <= pending;  // samples left at the tick; the first word arrives later
     if (frame || word) bad_q <= !frame && (bad_q || bad);

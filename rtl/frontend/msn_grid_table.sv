@@ -46,7 +46,7 @@ module msn_grid_table #(
     $fatal(1, "msn_grid_table: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_grid_table: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_grid_table: Lanes = %0d must lie in 1 .. 8", Lanes);
   end
   if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
     $fatal(1, "msn_grid_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
@@ -65,7 +65,7 @@ module msn_grid_table #(
   assign status_o  = swapping;
   assign there     = {1'b0, cfg_i.word} < (cfg_i.write_row ? 21'(Rows) : 21'(RowBeats));
   assign write_row = cfg_i.write_written && cfg_i.write_row && there;
-  assign write     = (cfg_i.write_written && !cfg_i.write_row && there) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign write     = (cfg_i.write_written && !cfg_i.write_row && there) ? Lanes'(cfg_i.write_lanes) : '0;
   assign restart   = last_i || !fits_i;
   assign swap      = swapping && !midway;
 

@@ -353,7 +353,13 @@ def test_a_users_file_does_not_take_a_named_ones_folder(tmp_path):
     assert boards.label("mine.toml") == "mine"
 
 
-LINTED = [("ulx3s", "two"), ("ulx3s", "groups"), ("icebreaker", "lanes"), ("icebreaker", "each")]
+LINTED = [
+    ("ulx3s", "two"),
+    ("ulx3s", "three"),
+    ("ulx3s", "groups"),
+    ("icebreaker", "lanes"),
+    ("icebreaker", "each"),
+]
 
 
 @pytest.mark.parametrize("board, name", LINTED)

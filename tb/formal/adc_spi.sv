@@ -114,7 +114,7 @@ module formal_adc_spi #(
     {busy_3, busy_2, busy_1} <= {busy_2, busy_1, adc_busy_i};
     left  <= !(cfg_enable_i && ready) ? '0 : tick ? cfg_period_i - 1'b1 : left - 1'b1;
     watch <= waits ? watch + 1'b1 : '0;
-    start <= start - 1'b1;
+    start <= (state == Reset) ? start - 1'b1 : StartBits'(Start - 1);
     ready <= ready || state == Idle;
     case (state)
       Reset:   if (start == '0) state <= (SetupWords != 0) ? Setup : Idle;

@@ -1,6 +1,7 @@
 """Start and reset a block; drive and watch its streams, clock by clock."""
 
 import random
+from itertools import pairwise
 
 import cocotb
 from cocotb.clock import Clock
@@ -11,6 +12,11 @@ from harness import icarus, recorder
 from harness.applicable import applies, whole
 from harness.runner import ONES, SIM
 from harness.stimulus import SEED, as_signed, force_beats
+
+
+def unbroken(packets):
+    """Whether each of a core's ``packets`` has the number after the last one's, mod 256: none is lost."""
+    return all((later.number - packet.number) % 256 == 1 for packet, later in pairwise(packets))
 
 
 async def start(dut, **inputs):

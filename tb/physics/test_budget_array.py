@@ -88,23 +88,26 @@ def test_a_line_for_each_part(capsys):
     assert found["max11125"] == budget.budget(64, 64, 100e6, MAX11125)
 
 
-@pytest.mark.parametrize("lanes, slot, transfer", [(1, 618, 543), (2, 505, 275), (4, 505, 141), (8, 505, 74)])
-def test_an_ad7606c_needs_four_converters_on_any_number_of_lines(lanes, slot, transfer):
+@pytest.mark.parametrize(
+    "lanes, needs, slot, transfer", [(1, 4, 618, 543), (2, 3, 505, 275), (4, 3, 505, 141), (8, 3, 505, 74)]
+)
+def test_an_ad7606c_on_any_number_of_lines(lanes, needs, slot, transfer):
     """At 100 MHz a bit is four clocks and a word 17 bits, so 8 words take 544. BUSY is low after 71, the
     words begin 3 later. 5 us, one clock and the 4 until the inputs may change are 505: only one line takes
     longer. The last sample comes after 3 clocks, the words but the last rest, and a clock for each sample of
-    the other lines."""
-    found = budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0, adc_lanes=lanes)
-    assert (found["converters_needed"], found["slot_clocks"]) == (4, slot)
+    the other lines. Three converters take 3 · 64 slots: 970 us, or 1.19 ms on one line."""
+    found = budget.budget(64, 64, 100e6, AD7606C, 4, settle_us=5.0, adc_lanes=lanes)
+    assert (found["converters_needed"], found["slot_clocks"]) == (needs, slot)
     assert found["terms_clocks"]["transfer"] == transfer
-    assert found == budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0) or lanes != 2
+    assert found == budget.budget(64, 64, 100e6, AD7606C, 4, settle_us=5.0) or lanes != 2
 
 
 # An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A
 # place of c inputs takes 480·c + 1 clocks; the word of its input w arrives after 480·w - 24. 10 rows of 16
-# columns are 10·ceil(16 / (converters·c)) places, and the last place's w is c, or 4 where four converters
-# with eight inputs have only four columns each. After that come 5 clocks of buffer, 1 of health, 1 of tare,
-# and 14, 15 or 16 of force, sums and division with one, two and four lanes (docs/cop.md).
+# columns are 10·ceil(16 / (converters·c)) places, and the last place's w is c, or what is left of a row: 4
+# where four converters with eight inputs have only four columns each, 2, 1 and 3 with three, five and seven
+# converters. After that come 5 clocks of buffer, 1 of health, 1 of tare, and 14, 15, 16 or 17 of force, sums
+# and division with one, two, up to four, and more lanes (docs/cop.md).
 @pytest.mark.parametrize(
     "converters, inputs, clocks",
     [
@@ -116,6 +119,9 @@ def test_an_ad7606c_needs_four_converters_on_any_number_of_lines(lanes, slot, tr
         (4, 2, 19 * 961 + 936 + 23),
         (4, 4, 9 * 1921 + 1896 + 23),
         (4, 8, 9 * 3841 + 1896 + 23),
+        (3, 4, 19 * 1921 + 936 + 23),
+        (5, 3, 19 * 1441 + 456 + 24),
+        (7, 8, 9 * 3841 + 1416 + 24),
     ],
 )
 def test_clocks_worked_out_by_hand(converters, inputs, clocks):
@@ -124,9 +130,9 @@ def test_clocks_worked_out_by_hand(converters, inputs, clocks):
 
 
 def test_the_inputs_used_are_searched_too():
-    """Four converters with four inputs each: 9·1921 + 1896 + 23 = 19,208 clocks, 800.3 us. One or two
-    converters are too slow with any number of inputs: 10·16 conversions of 20 us take 3.2 ms with one and 1.6
-    ms with two."""
+    """Four converters with four inputs each: 9·1921 + 1896 + 23 = 19,208 clocks, 800.3 us. Fewer are too slow
+    with any number of inputs: 10·16 conversions of 20 us take 3.2 ms with one, 1.6 ms with two and, for six
+    columns each, 1.2 ms with three."""
     found = budget.budget(10, 16, 24e6, MCP3208)
     chosen = {key: found[key] for key in ("converters", "channels", "converters_needed", "total_clocks")}
     assert chosen == {"converters": 4, "channels": 4, "converters_needed": 4, "total_clocks": 19_208}

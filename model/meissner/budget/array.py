@@ -12,9 +12,9 @@ from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
 from meissner.twins.sensor.sensors import Array
+from meissner.twins.shared import LANES
 
 BUDGET_S = 1e-3
-LANES = (1, 2, 4, 8)
 INPUTS = range(1, 9)  # of a converter
 NAMES = {
     "scan": "first to last convert start of a frame, as fast as the converters are",
@@ -101,7 +101,7 @@ def budget(
     if not 1e6 <= clock_hz <= 2e8 or clock_hz % 1e3:
         raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e6 to 2e8 Hz")
     if converters is not None and converters not in LANES:
-        raise ValueError(f"converters = {converters} must be one of: {', '.join(map(str, LANES))}")
+        raise ValueError(f"converters = {converters} must lie in 1 .. {LANES[-1]}")
     if settle_us is not None and not 0 <= settle_us <= 1000:
         raise ValueError(f"settle-us = {settle_us:g} must lie in 0 .. 1000")
 

@@ -1,6 +1,6 @@
 """The keys of a converter in builds and scenes (docs/config.md)."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from msgspec import Meta
 
@@ -28,7 +28,7 @@ class Scanning(ReadBy, frozen=True, kw_only=True):
     """Converters side by side, inputs used of each, wait after a switch (None: what the converters' front
     needs), share of the old row that may remain (None: half a code), source of their inputs."""
 
-    converters: Literal[1, 2, 4, 8] = 1
+    converters: Eight = 1
     channels: Eight = 8
     settle_us: Annotated[float, Meta(ge=0, le=1000)] | None = None
     settle_share: Annotated[float, Meta(gt=0, le=1)] | None = None
