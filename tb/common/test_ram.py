@@ -1,6 +1,6 @@
-"""msn_ram against its model: every word, then reads and writes at random, with clocks without a read; never of one word
-in one clock. The ECP5 version gets the same with a model of its block RAM, at each width of the cell, words of several
-cells and the depth that LUT RAM keeps."""
+"""msn_ram against its model: every word, then reads and writes at random, with clocks without a read, never
+of one word in one clock. The ECP5 version gets the same with a model of its block RAM, at each width of the
+cell, words of several cells, and what is left to LUT RAM."""
 
 import random
 
