@@ -73,7 +73,8 @@ module msn_adc_spi #(
   localparam bit          NeedsStart   = HasReset || SetupWords > 0;
   // A part without RESET is idle before its setup as long as the reset of a part with RESET takes.
   localparam int unsigned RestClocks   = msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
-  localparam int unsigned StartClocks  = msn_pkg::clocks_of_ns(msn_adc_pkg::reset_ns(Part), ClkKhz) + RestClocks;
+  localparam int unsigned ResetClocks  = msn_pkg::clocks_of_ns(msn_adc_pkg::reset_ns(Part), ClkKhz);
+  localparam int unsigned StartClocks  = ResetClocks + RestClocks;
   localparam int unsigned StartBits    = msn_pkg::index_width(StartClocks);
 
   if (!msn_adc_pkg::known(Part)) begin : gen_check_part
@@ -83,7 +84,8 @@ module msn_adc_spi #(
     $fatal(1, "msn_adc_spi: Channels = %0d must lie in 1 .. 8", Channels);
   end
   if (!msn_pkg::are_lanes(Lanes) || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
-    $fatal(1, "msn_adc_spi: Lanes = %0d must be a power of two up to %0d", Lanes, msn_adc_pkg::max_lanes(Part));
+    $fatal(1, "msn_adc_spi: Lanes = %0d must be a power of two, at most %0d", Lanes,
+           msn_adc_pkg::max_lanes(Part));
   end
   if (Lanes > 1 && Channels <= msn_adc_pkg::lane_channels(Lanes)) begin : gen_check_lane_use
     $fatal(1, "msn_adc_spi: Lanes = %0d must be 1: one lane has all %0d Channels", Lanes, Channels);
@@ -181,7 +183,8 @@ module msn_adc_spi #(
     lost_o    <= missed || overrun;
     open_q    <= frame || (open_q && !over && !stored);
     ready_q   <= ready_q || state_q == Idle;
-    start_q   <= (state_q == Reset) ? start_q - 1'b1 : StartBits'(StartClocks - 1);  // whole after an upset, too
+    // Full outside Reset, so that an upset into this state resets the part for as long.
+    start_q   <= (state_q == Reset) ? start_q - 1'b1 : StartBits'(StartClocks - 1);
 
     adc_reset_o <= HasReset && state_q == Reset && !running && start_q >= StartBits'(RestClocks);
 
