@@ -40,8 +40,9 @@ module formal_adc_spi #(
 
   // ps, at the voltages of docs/adc.md: SCLK low and high, its period, CS to the first edge, CS high.
   localparam bit              Mcp3208 = Part == msn_pkg::AdcMcp3208;
-  localparam longint unsigned Period  = Mcp3208 ? 500_000 : 68_966;
-  localparam longint unsigned Level   = Mcp3208 ? 250_000 : 27_587;
+  localparam bit              Ad7606c = Part == msn_pkg::AdcAd7606c;
+  localparam longint unsigned Period  = Mcp3208 ? 500_000 : Ad7606c ? 16_667 : 68_966;
+  localparam longint unsigned Level   = Mcp3208 ? 250_000 : Ad7606c ? 6_667 : 27_587;
   localparam longint unsigned Lead    = Mcp3208 ? 100_000 : 0;
   localparam longint unsigned Rest    = Mcp3208 ? 500_000 : 22_000;
   localparam int unsigned     Half    = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
@@ -80,7 +81,8 @@ module formal_adc_spi #(
   localparam int unsigned KeptBits   = msn_adc_pkg::kept_bits(Part);
   localparam int unsigned DataBits   = msn_adc_pkg::data_bits(Part);
   localparam int unsigned WatchBits  = msn_adc_pkg::watch_bits(Part, ClkKhz);
-  localparam int unsigned Start      = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned Rests      = msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned Start      = msn_pkg::clocks_of_ns(msn_adc_pkg::reset_ns(Part), ClkKhz) + Rests;
   localparam int unsigned StartBits  = msn_pkg::index_width(Start);
   localparam logic [2:0]  Reset = 3'd0, Setup = 3'd1, Idle = 3'd2, Rise = 3'd3, Fall = 3'd4, Read = 3'd5;
   logic [2:0]            state;
@@ -107,12 +109,12 @@ module formal_adc_spi #(
   assign code     = Tagged ? word - 1'b1 : word;
   assign wrong    = Tagged && stores && 8'(dut.kept[KeptBits-1-:4]) != code;
   assign asks_setup = sets_up || (state == Setup && !(dut.done && word == '0));
-  assign command  = asks_setup ? msn_adc_pkg::setup_word(Part, 3'(word)) : msn_adc_pkg::command(Part, 3'(word));
+  assign command  = asks_setup ? msn_adc_pkg::setup_word(Part, Lanes, 3'(word)) : msn_adc_pkg::command(Part, 3'(word));
   always_ff @(posedge clk_i) begin
     {busy_3, busy_2, busy_1} <= {busy_2, busy_1, adc_busy_i};
     left  <= !(cfg_enable_i && ready) ? '0 : tick ? cfg_period_i - 1'b1 : left - 1'b1;
     watch <= waits ? watch + 1'b1 : '0;
-    start <= start - 1'b1;
+    start <= (state == Reset) ? start - 1'b1 : StartBits'(Start - 1);
     ready <= ready || state == Idle;
     case (state)
       Reset:   if (start == '0) state <= (SetupWords != 0) ? Setup : Idle;
@@ -131,7 +133,7 @@ module formal_adc_spi #(
     over        <= out_valid_o && out_ready_i && out_user_o;
     convert_due <= state == Idle && tick;
     lost_due    <= (ends && (drop || bad)) || gives_up || (tick && state != Idle);
-    reset_due   <= HasReset && state == Reset && 32'(start) >= Start / 2;
+    reset_due   <= HasReset && state == Reset && 32'(start) >= Rests;
     convst_due  <= ((state == Idle && tick && HasBusy) || (waits && !gives_up && !falls)) && !watch[WatchBits-1];
     dropped     <= dropped + 32'(ends && drop);
     mistagged   <= mistagged + 32'(ends && bad && !drop);
@@ -186,7 +188,7 @@ module formal_adc_spi #(
   // What proof `adc_store` assumes: a word arrives only for channels whose samples have left. A frame is not dropped
   // only if all samples had left when it began, so that meanwhile only channels of its earlier words hold samples.
   // Frames of tagged parts are sent after their last word: no channel holds a sample meanwhile.
-  localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Part) : Channels;
+  localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Lanes) : Channels;
   logic [Channels-1:0] held, meant;
   logic                comes;  // words of this frame may still arrive
   assign held  = dut.u_store.full_q;
