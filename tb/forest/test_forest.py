@@ -106,6 +106,19 @@ def test_the_rank_is_the_number_of_thresholds_below():
     assert ranks.ravel().tolist() == [0, 0, 1, 1, 2, 4 - 1, 3, 4, 4] and missing is None
 
 
+def test_votes_are_the_nearest_integers_and_a_half_goes_to_the_first_class():
+    """By hand; 65535 / 2 = 32767.5. A leaf of one half then decides for the first class, as argmax does."""
+    step = 1 / 65535
+    two, three = [[0.5, 0.5], [0.25, 0.75], [1, 0]], [[0.5, 0.5, 0], [1.5 * step, 2.5 * step, 1 - 4 * step]]
+    assert quantise.votes(np.array(two)).tolist() == [[32768, 32767], [16384, 49151], [65535, 0]]
+    assert quantise.votes(np.array(three)).tolist() == [[32768, 32768, 0], [2, 2, 65531]]
+    x = np.arange(8.0)[:, None]
+    for y in ([3, 5] * 4, [3, 3, 5, 5] * 2, [3, 5, 3, 5, 9, 9, 9, 9]):
+        model = DecisionTreeClassifier(max_depth=1, min_samples_leaf=4).fit(x, y)
+        assert model.predict_proba(x)[0, :2].tolist() == [0.5, 0.5]
+        assert meissner.Forest(model).predict(x).tolist() == model.predict(x).tolist()
+
+
 @pytest.mark.parametrize("case", range(6))
 def test_drawn_forests(case):
     classes = (2, 3, 5, 2, 12, 4)[case]

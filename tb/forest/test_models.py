@@ -106,6 +106,10 @@ def fewer(schema, arrays, tree):
     arrays["values"] = arrays["values"][:-1]
 
 
+def fewer_nodes(schema, arrays, tree):
+    arrays["nodes"] = arrays["nodes"][:-1]
+
+
 def wider(schema, arrays, tree):
     arrays["values"] = np.concatenate([arrays["values"]] * 2, 2)
 
@@ -160,6 +164,7 @@ def no_array(schema, arrays, tree):
         (node("feature", 0, -2), "node 0: its feature -2 is none of 13"),
         (node("threshold", 0, np.nan), "node 0: its threshold is nan"),
         (count, "is not as skops writes it"),
+        (fewer_nodes, "is not as skops writes it"),
         (fewer, "is not as skops writes it"),
         (wider, "is not as skops writes it"),
         (other_type, "is not as skops writes it"),
