@@ -152,7 +152,7 @@ module formal_cop_accumulate #(
   // Invariant: beats follow each other, and n of them have a sum of at most n Lanes 65535.
   logic [20:0]     expected [Levels+1], follows [Levels+1];
   logic [Wide-1:0] most;
-  assign most = Wide'(reached) * Wide'(Lanes * 65535);
+  assign most = ((Wide'(reached) * Wide'(Lanes)) << 16) - Wide'(reached) * Wide'(Lanes);
   assign expected[Levels] = known ? reached : '0;
   assign follows[Levels]  = known ? along : '0;
   for (genvar l = 1; l <= Levels; l++) begin : gen_chain
@@ -186,7 +186,7 @@ module formal_cop_accumulate #(
         assert (reached != '0 && reached <= 21'(Rows * Beats) && sum <= most && sum == Wide'(dut.sum));
         assert (MxBits'(a) << 1 == {dut.moment_a, 1'b0} && MyBits'(b) << 1 == {dut.moment_b, 1'b0});
         assert (along != '0 && along <= 21'(Beats) && along <= reached);
-        assert (row_sum * Long'(dut.Odd) == Long'(dut.row_total) && row_sum <= Long'(along) * Long'(Lanes * 65535));
+        assert (row_sum * Long'(dut.Odd) == Long'(dut.row_total) && row_sum <= ((Long'(along) * Long'(Lanes)) << 16) - Long'(along) * Long'(Lanes));
       end
     end
   end
