@@ -59,7 +59,7 @@ module formal_cop_accumulate #(
   assign places[0]  = place;
   assign columns[0] = column;
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
-    assign lanes[0][16*k+:16] = (row_ends && (Beats - 1) * Lanes + k >= Columns) ? '0 : in_data_i[16*k+:16];
+    assign lanes[0][16*k+:16] = (in_row_last_i && (Beats - 1) * Lanes + k >= Columns) ? '0 : in_data_i[16*k+:16];
   end
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
@@ -106,7 +106,9 @@ module formal_cop_accumulate #(
   assign carried = opens ? '0 : sum;
   assign mx      = Long'(sum) * Long'(2 * Beats * Lanes - Columns - 1) - 2 * a;
   assign my      = 2 * b - Long'(sum) * Long'(Rows - 1);
-  owed_sum #(.Count(Lanes), .Width(Wide), .Long(Long)) u_total (.data_i(lanes[Levels]), .sum_o(total), .moment_o(inner));
+  owed_sum #(.Count(Leaves), .Width(Wide), .Long(Long)) u_total (
+    .data_i((Leaves*16)'(lanes[Levels]) << (16 * (Leaves - Lanes))), .sum_o(total), .moment_o(inner)
+  );
   always_ff @(posedge clk_i) begin
     if (step && valid[Levels]) begin
       known   <= !gone[Levels];
