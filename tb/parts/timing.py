@@ -21,24 +21,25 @@ def now():
 
 
 class Line:
-    """One bit of a vector of pins, for one of several parts on the same ports.
+    """The ``width`` bits of part ``index`` in a vector of pins, for one of several parts on the same ports.
 
     ``driven``: the same dict for all parts; it keeps the levels driven on each input port.
     """
 
-    def __init__(self, port, index, driven):
-        self.port, self.index, self.driven = port, index, driven
+    def __init__(self, port, index, driven, width=1):
+        self.port, self.index, self.driven, self.width = port, index, driven, width
 
     def __len__(self):
-        return 1
+        return self.width
 
     @property
     def value(self):
-        return read(self.port) >> self.index & 1
+        return read(self.port) >> self.index * self.width & (1 << self.width) - 1
 
     @value.setter
     def value(self, level):
-        levels = self.driven.get(self.port._path, 0) & ~(1 << self.index) | int(level) << self.index
+        mine = (1 << self.width) - 1 << self.index * self.width
+        levels = self.driven.get(self.port._path, 0) & ~mine | int(level) << self.index * self.width
         self.driven[self.port._path] = levels
         self.port.value = levels
 

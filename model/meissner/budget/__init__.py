@@ -91,6 +91,7 @@ def _array(arguments):
         *(arguments.rows, arguments.columns, arguments.clock, array.part_of(arguments.adc)),
         *(arguments.converters, arguments.settle_us, arguments.channels, arguments.sclk_khz, carrier),
         *(not arguments.no_health, not arguments.no_tare, arguments.bits_per_clock),
+        arguments.read == "during",
     )
     if arguments.json:
         print(json.dumps(found, indent=2))

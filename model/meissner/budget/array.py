@@ -38,13 +38,19 @@ def part_of(name):
     return parts[name.lower()]
 
 
-def scan_of(rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None):
+def scan_of(
+    rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None, read_during=False
+):
     """The scan of such an array; ``carrier``: arguments of ScanDemod, or None for taxels read without a
-    carrier, through ``channels`` inputs of each converter."""
+    carrier, through ``channels`` inputs of each converter. ``read_during``: the next conversion."""
+    if read_during and not part.has_busy:
+        raise ValueError(f"read = during must be after for the {part.name}, which has no BUSY")
     if carrier is not None:
         return ScanDemod(rows, columns, converters, part, clk_khz, sclk_khz, **carrier)
     adc_lanes = part.max_lanes if channels > part.lane_channels else 1
-    return ScanAdc(rows, columns, converters, part, channels, adc_lanes, clk_khz, sclk_khz)
+    return ScanAdc(
+        rows, columns, converters, part, channels, adc_lanes, clk_khz, sclk_khz, read_during=read_during
+    )
 
 
 def terms(array, settle, **given):
@@ -74,6 +80,7 @@ def budget(
     health=True,
     tare=True,
     bits_per_clock=2,
+    read_during=False,
 ):
     """The latency of the array as a dict. ``converters`` None: the fewest with which a frame meets BUDGET_S,
     else 8; ``channels`` None: the number of inputs of each that takes the least time, the fewest on a tie.
@@ -105,7 +112,9 @@ def budget(
         return min(every, key=lambda found: found["total_clocks"])
 
     def found_with(lanes, channels):
-        scan = scan_of(rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier)
+        scan = scan_of(
+            rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier, read_during
+        )
         array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock=bits_per_clock)
         return measured(array, settle, clock_hz, lanes, channels)
 
@@ -125,6 +134,7 @@ def measured(array, settle, clock_hz, converters, channels, volts=None):
         "columns": array.columns,
         "adc": part.name,
         "converters": converters,
+        "read_during": getattr(array.scan, "read_during", False),
         "channels": channels,
         "clock_hz": clock_hz,
         "settle_clocks": settle,
@@ -147,7 +157,9 @@ def of_config(config):
     array = Array(config.scan, limits, zeros, row_column=config.array.gains == "row_column")
     found = measured(array, config.settle_clocks, clock_hz, adc.converters, adc.channels, adc.volts)
     given = adc.channels, adc.sclk_khz, None, config.array.health, config.array.tare
-    least = budget(*config.shape, clock_hz, config.part, None, adc.settle_us, *given)
+    least = budget(
+        *config.shape, clock_hz, config.part, None, adc.settle_us, *given, read_during=config.scan.read_during
+    )
     return found | {"config": config.name, "converters_needed": least["converters_needed"]}
 
 
@@ -166,6 +178,7 @@ def tell(found):
     kind = f"{found['converters']} {found['adc'].upper()}" + ("s" if found["converters"] > 1 else "")
     if found["channels"] is not None:
         kind += f" with {found['channels']} input{'s' * (found['channels'] > 1)} used"
+    kind += ", read during the next conversion" * found["read_during"]
     total, needs = found["total_clocks"], found["converters_needed"]
     verdict = f"from first convert to CoP {total * clock_us:.3f} us, "
     verdict += "within 1 ms" if found["within_1_ms"] else "above 1 ms"

@@ -56,16 +56,20 @@ class Electrodes(Table, frozen=True):
 
 
 class Adc(Table, frozen=True):
-    """[adc]. ``volts``: full scale; ``sclk_khz``: the part's own where it is not given."""
+    """[adc]. ``volts``: full scale; ``sclk_khz``: the part's own where it is not given; ``read``: whether a
+    conversion is read before the next one starts, or during it."""
 
     part: str
     volts: Positive
     rate_hz: Positive
     lanes: int = 1
     sclk_khz: Annotated[int, Meta(gt=0)] | None = None
+    read: Literal["after", "during"] = "after"
 
     def __post_init__(self) -> None:
         one_of("part", self.part, PARTS)
+        if self.read == "during" and not PARTS[self.part].has_busy:
+            raise ValueError(f"read = 'during' must be 'after' for part = '{self.part}', which has no BUSY")
 
 
 class ArrayAdc(Adc, frozen=True):
