@@ -59,8 +59,8 @@ module msn_scan #(
     $fatal(1, "msn_scan: SampleBits = %0d must be at least 2", SampleBits);
   end
 
-  if (Overlap >= Cycle) begin : gen_check_overlap
-    $fatal(1, "msn_scan: Overlap = %0d must be less than Cycle", Overlap);
+  if (Overlap == 1 || Overlap >= Cycle) begin : gen_check_overlap
+    $fatal(1, "msn_scan: Overlap = %0d must be 0 or lie in 2 .. Cycle - 1", Overlap);
   end
 
   localparam int unsigned Width    = Lanes * (SampleBits + 1);

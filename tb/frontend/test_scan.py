@@ -451,7 +451,7 @@ SIZES = [
         "Overlap": 79,
     },
     {"Rows": 1, "Columns": 1, "Channels": 1, "Cycle": 12, "SettleBits": 6, "Overlap": 11},
-    {"Rows": 3, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6, "Overlap": 1},
+    {"Rows": 3, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6, "Overlap": 2},
 ]
 
 
@@ -490,11 +490,13 @@ def test_scan_large(rows, columns, lanes, tests):
 def test_refuses_illegal_parameters():
     """Its own limit; the others belong to msn_scan_plan and msn_scan_buffer."""
     assert "SampleBits" in bench.refuses("scan", {"SampleBits": 1})
-    assert "Overlap" in bench.refuses("scan", {"Cycle": 30, "Overlap": 30})
+    for overlap in (1, 30):
+        assert "Overlap" in bench.refuses("scan", {"Cycle": 30, "Overlap": overlap})
     refused(
         Scan,
         {"sample_bits": 1},
-        {"cycle": 30, "overlap": 30},
+        {"overlap": 30, "cycle": 30},
+        {"overlap": 1},
         {"overlap": -1},
         {"depth": 16},
         {"rows": 0},

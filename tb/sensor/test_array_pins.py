@@ -39,7 +39,7 @@ SETTLE = 7
 TARE_LOG2 = 1
 MICROSECONDS = {(16, 0): 331, (64, 0): 662}  # stated in the README for the two arrays behind AD7606
 # Read during the next conversion, a slot is 5.97 us at 12.5 MHz of SCLK, and the part's 5 us at 16.7 MHz.
-MICROSECONDS |= {(16, 1): 195, (64, 1): 323}
+MICROSECONDS |= {(16, 1): 194, (64, 1): 323}
 OFFSET = 777  # a calibration's offset, which must have no effect after a tare
 FRAMES = 5  # two for the tare, one until the tare is in effect, then two pressed
 

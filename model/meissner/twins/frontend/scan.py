@@ -27,7 +27,9 @@ class Scan(ScanPlan):
 
     def __post_init__(self):
         super().__post_init__()
-        fits(self, sample_bits=(2, None), overlap=(0, self.cycle - 1))
+        fits(self, sample_bits=(2, None))
+        if self.overlap == 1 or not 0 <= self.overlap < self.cycle:
+            raise ValueError(f"overlap = {self.overlap} must be 0 or lie in 2 .. {self.cycle - 1}")
         width = self.lanes * (self.sample_bits + 1)
         buffer = ScanBuffer(self.rows, self.beats, self.channels, width, self.depth)
         object.__setattr__(self, "buffer", buffer)
