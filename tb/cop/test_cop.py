@@ -137,7 +137,7 @@ async def survives_damage_and_resets(dut):
 
 EVIDENCE = {
     "equivalence": {"size": {"Rows": 3}, "reset_size": {"Rows": 1}, "boxes": True},
-    "faults": {"size": {"Rows": 3}, "settle": 3},
+    "faults": {"size": {"Rows": 3}, "settle": 4},
     "icarus": {"runs": {"Lanes": 1}},
 }
 
