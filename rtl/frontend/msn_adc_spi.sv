@@ -214,9 +214,9 @@ module msn_adc_spi #(
 
     adc_reset_o <= HasReset && state_q == Reset && start_q >= StartBits'(StartClocks / 2);
 
-    // Samples left at the tick or the read's start; the first word arrives later. A read may not last until BUSY falls.
+    // Samples left at the tick or the read's start; the first word arrives later. BUSY that falls in a read tears it.
     if (ReadDuring ? read_o : convert_o) drop_q <= pending;
-    if (early) drop_q <= 1'b1;
+    if (ReadDuring && running && busy_q && !busy) drop_q <= 1'b1;
     if (frame || word) bad_q <= !frame && (bad_q || bad);
     if (!running)  word_q <= '0;  // it is 0 already, unless an upset stopped the shifter
     else if (word) word_q <= word_last ? '0 : word_q + 1'b1;

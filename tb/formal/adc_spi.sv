@@ -136,7 +136,7 @@ module formal_adc_spi #(
     endcase
     if (dut.word) word <= (word == words - 1'b1) ? '0 : word + 1'b1;
     if (ReadDuring ? read_o : convert_o) drop <= dut.pending;
-    if (early) drop <= 1'b1;
+    if (ReadDuring && reading && busy_3 && !busy_2) drop <= 1'b1;
     since  <= resumes ? 16'd1 : (since == '1) ? since : since + 1'b1;
     awaits <= starts || (awaits && 32'(watch) != Last + 1);
     begun  <= ReadDuring && (starts || (begun && !gives_up && !resumes));
