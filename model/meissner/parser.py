@@ -169,10 +169,16 @@ def _budget(commands):
     array.add_argument("--clock", type=float, default=100e6, metavar="HZ", help="the core's clock (100e6)")
     array.add_argument("--adc", default="ad7606", metavar="PART", help="converter (ad7606)")
     array.add_argument(
-        "--converters", type=int, metavar="N", help="1, 2, 4 or 8 (default: the fewest that reach 1 ms)"
+        "--converters", type=int, metavar="N", help="1 to 8 (default: the fewest that reach 1 ms)"
     )
     array.add_argument(
         "--channels", type=int, metavar="N", help="inputs used per converter (default: the fastest number)"
+    )
+    array.add_argument(
+        "--adc-lanes",
+        type=int,
+        metavar="N",
+        help="data lines of a converter (2 of an AD7606 or AD7606C, or 1)",
     )
     array.add_argument(
         "--sclk-khz", type=int, metavar="KHZ", help="maximum serial clock (default: the part's usual one)"

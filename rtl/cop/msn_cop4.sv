@@ -177,7 +177,8 @@ module msn_cop4 #(
   );
 
   msn_ratio #(
-    .NumBits(SampleBits + 1), .DenBits(PlaceBits), .FractionBits(14), .BitsPerClock(BitsPerClock), .SideBits(2)
+    .NumBits(SampleBits + 1), .DenBits(PlaceBits), .FractionBits(14), .BitsPerClock(BitsPerClock),
+    .SideBits(2)
   ) u_y (
     .clk_i, .rst_i,
     .cfg_scale_i(cfg_ky_i),

@@ -66,7 +66,7 @@ module msn_adc_spi #(
 
   localparam int unsigned DataBits     = msn_adc_pkg::data_bits(Part);
   localparam int unsigned Half         = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
-  localparam int unsigned LaneChannels = msn_adc_pkg::lane_channels(Part);
+  localparam int unsigned LaneChannels = msn_adc_pkg::lane_channels(Lanes);
   localparam int unsigned Words        = msn_adc_pkg::frame_words(Part, Channels, Lanes);
   localparam int unsigned SetupWords   = msn_adc_pkg::setup_words(Part);
   localparam int unsigned WordBits     = msn_pkg::index_width((Words > SetupWords) ? Words : SetupWords);
@@ -83,7 +83,9 @@ module msn_adc_spi #(
   localparam bit          HasReset     = msn_adc_pkg::has_reset(Part);
   localparam bit          NeedsStart   = HasReset || SetupWords > 0;
   // A part without RESET is idle before its setup as long as the reset of a part with RESET takes.
-  localparam int unsigned StartClocks  = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned RestClocks   = msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned ResetClocks  = msn_pkg::clocks_of_ns(msn_adc_pkg::reset_ns(Part), ClkKhz);
+  localparam int unsigned StartClocks  = ResetClocks + RestClocks;
   localparam int unsigned StartBits    = msn_pkg::index_width(StartClocks);
 
   if (!msn_adc_pkg::known(Part)) begin : gen_check_part
@@ -92,10 +94,11 @@ module msn_adc_spi #(
   if (Channels < 1 || Channels > 8) begin : gen_check_channels
     $fatal(1, "msn_adc_spi: Channels = %0d must lie in 1 .. 8", Channels);
   end
-  if (Lanes < 1 || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
-    $fatal(1, "msn_adc_spi: Lanes = %0d must lie in 1 .. %0d", Lanes, msn_adc_pkg::max_lanes(Part));
+  if (!msn_pkg::are_lanes(Lanes) || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
+    $fatal(1, "msn_adc_spi: Lanes = %0d must be a power of two, at most %0d", Lanes,
+           msn_adc_pkg::max_lanes(Part));
   end
-  if (Lanes > 1 && Channels <= msn_adc_pkg::lane_channels(Part)) begin : gen_check_lane_use
+  if (Lanes > 1 && Channels <= msn_adc_pkg::lane_channels(Lanes)) begin : gen_check_lane_use
     $fatal(1, "msn_adc_spi: Lanes = %0d must be 1: one lane has all %0d Channels", Lanes, Channels);
   end
   if (ClkKhz < 1 || ClkKhz > 400_000) begin : gen_check_clk
@@ -210,9 +213,10 @@ module msn_adc_spi #(
     if (resumed)            guard_q <= GuardBits'(Guard - 1);
     else if (guard_q != '0) guard_q <= guard_q - 1'b1;
     ready_q   <= ready_q || state_q == Idle;
-    start_q   <= start_q - 1'b1;
+    // Full outside Reset, so that an upset into this state resets the part for as long.
+    start_q   <= (state_q == Reset) ? start_q - 1'b1 : StartBits'(StartClocks - 1);
 
-    adc_reset_o <= HasReset && state_q == Reset && start_q >= StartBits'(StartClocks / 2);
+    adc_reset_o <= HasReset && state_q == Reset && !running && start_q >= StartBits'(RestClocks);
 
     // Samples left at the tick or the read's start; the first word arrives later. BUSY that falls in a read tears it.
     if (ReadDuring ? read_o : convert_o) drop_q <= pending;
@@ -263,7 +267,7 @@ module msn_adc_spi #(
   // The AD7606 has no DIN.
   logic mosi;
   logic [15:0] command;
-  assign command    = (state_d == Setup) ? msn_adc_pkg::setup_word(Part, 3'(word_q))
+  assign command    = (state_d == Setup) ? msn_adc_pkg::setup_word(Part, Lanes, 3'(word_q))
                                          : msn_adc_pkg::command(Part, 3'(word_q));
   assign adc_mosi_o = CsPerChannel && mosi;
   logic unused_command;
@@ -284,7 +288,7 @@ module msn_adc_spi #(
     assign unused_kept = ^kept;
   end else begin : gen_plain
     assign store_word  = IdBits'(word_q);
-    assign store_valid = word;
+    assign store_valid = word && (SetupWords == 0 || state_q == Read);
     assign bad         = 1'b0;
     assign data        = kept;
   end

@@ -44,9 +44,10 @@ module formal_adc_spi #(
 
   // ps, at the voltages of docs/adc.md: SCLK low and high, its period, CS to the first edge, CS high.
   localparam bit              Mcp3208 = Part == msn_pkg::AdcMcp3208;
+  localparam bit              Ad7606c = Part == msn_pkg::AdcAd7606c;
   localparam bit              Fast    = SclkKhz > 14_500;  // an AD7606 with a VDRIVE of 3.3 V or more
-  localparam longint unsigned Period  = Mcp3208 ? 500_000 : Fast ? 58_824 : 68_966;
-  localparam longint unsigned Level   = Mcp3208 ? 250_000 : Fast ? 23_530 : 27_587;
+  localparam longint unsigned Period  = Mcp3208 ? 500_000 : Ad7606c ? 16_667 : Fast ? 58_824 : 68_966;
+  localparam longint unsigned Level   = Mcp3208 ? 250_000 : Ad7606c ? 6_667 : Fast ? 23_530 : 27_587;
   localparam longint unsigned Lead    = Mcp3208 ? 100_000 : 0;
   localparam longint unsigned Rest    = Mcp3208 ? 500_000 : 22_000;
   localparam int unsigned     Half    = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
@@ -88,7 +89,8 @@ module formal_adc_spi #(
   localparam int unsigned Last       = msn_adc_pkg::conversion_max_ns(Part) * ClkKhz / 1_000_000;  // BUSY falls, at most
   localparam int unsigned WatchEnd   = ReadDuring ? Last + 3 : (1 << WatchBits) - 1;
   localparam int unsigned Guard      = ReadDuring ? msn_adc_pkg::guard_clocks(Part, ClkKhz, Half, Words) : 1;
-  localparam int unsigned Start      = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned Rests      = msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned Start      = msn_pkg::clocks_of_ns(msn_adc_pkg::reset_ns(Part), ClkKhz) + Rests;
   localparam int unsigned StartBits  = msn_pkg::index_width(Start);
   localparam logic [2:0]  Reset = 3'd0, Setup = 3'd1, Idle = 3'd2, Rise = 3'd3, Fall = 3'd4, Read = 3'd5;
   logic [2:0]            state;
@@ -119,12 +121,12 @@ module formal_adc_spi #(
   assign code     = Tagged ? word - 1'b1 : word;
   assign wrong    = Tagged && stores && 8'(dut.kept[KeptBits-1-:4]) != code;
   assign asks_setup = sets_up || (state == Setup && !(dut.done && word == '0));
-  assign command  = asks_setup ? msn_adc_pkg::setup_word(Part, 3'(word)) : msn_adc_pkg::command(Part, 3'(word));
+  assign command  = asks_setup ? msn_adc_pkg::setup_word(Part, Lanes, 3'(word)) : msn_adc_pkg::command(Part, 3'(word));
   always_ff @(posedge clk_i) begin
     {busy_3, busy_2, busy_1} <= {busy_2, busy_1, adc_busy_i};
     left  <= !(cfg_enable_i && ready) ? '0 : tick ? cfg_period_i - 1'b1 : left - 1'b1;
     watch <= waits ? watch + 1'b1 : '0;
-    start <= start - 1'b1;
+    start <= (state == Reset) ? start - 1'b1 : StartBits'(Start - 1);
     ready <= ready || state == Idle;
     case (state)
       Reset:   if (start == '0) state <= (SetupWords != 0) ? Setup : Idle;
@@ -149,7 +151,7 @@ module formal_adc_spi #(
     convert_due <= starts;
     read_due    <= resumes;
     lost_due    <= (ends && (ReadDuring ? open : drop || bad)) || gives_up || (tick && !starts);
-    reset_due   <= HasReset && state == Reset && 32'(start) >= Start / 2;
+    reset_due   <= HasReset && state == Reset && 32'(start) >= Rests;
     convst_due  <= (starts && HasBusy) || (waits && !gives_up && !falls && !watch[WatchBits-1] &&
                                            !(ReadDuring && watch[WatchBits-2]));
     dropped     <= dropped + 32'(ends && (ReadDuring ? open : drop));
@@ -247,7 +249,7 @@ module formal_adc_spi #(
   // What proof `adc_store` assumes: a word arrives only for channels whose samples have left. A frame is not dropped
   // only if all samples had left when it began, so that meanwhile only channels of its earlier words hold samples.
   // Frames of tagged parts are sent after their last word: no channel holds a sample meanwhile.
-  localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Part) : Channels;
+  localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Lanes) : Channels;
   logic [Channels-1:0] held, meant;
   logic                comes;  // words of this frame may still arrive
   assign held  = dut.u_store.full_q;

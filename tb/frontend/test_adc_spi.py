@@ -9,6 +9,7 @@ is checked: a broken limit fails the test.
 """
 
 import random
+from dataclasses import replace
 from itertools import pairwise
 
 import cocotb
@@ -19,8 +20,8 @@ from cocotb.utils import get_sim_time
 
 import bench
 from harness.refusals import refusals
-from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MCP3208, PARTS, AdcSpi
-from parts import ad7606, max1112x, mcp3208
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11131, MCP3208, PARTS, AdcSpi
+from parts import ad7606, ad7606c, max1112x, mcp3208
 from parts.timing import TimingViolation, tightened
 
 MCP_RULES = ["t_clk", "t_hi", "t_lo", "t_sucs", "t_csh", "t_su", "t_hd", "t_droop_max"]
@@ -29,17 +30,30 @@ AD_RULES = ["t_cycle", "t_convst_low", "t_convst_high", "t_busy_cs", "t_cs_busy"
 AD_RULES += ["t_sclk_high"]
 
 
-def ad_limits(dut, **given):
-    """Limits of an AD7606; above 14.5 MHz those of a VDRIVE of 3.3 V or more."""
-    fast = dut.SclkKhz.value.to_unsigned() > 14_500
-    return ad7606.Limits(**({"t_sclk": 1e6 / 17_000} if fast else {}) | given)
+RULES = {
+    "mcp3208": (mcp3208.Limits(), MCP_RULES),
+    "max11131": (max1112x.FAST, MAX_RULES),
+    "ad7606c-16": (ad7606c.Limits(), [*AD_RULES, "t_csh", "t_css", "t_ds"]),
+}
 
 
 def limits_and_rules(dut):
+    """Above 14.5 MHz, the limits of an AD7606 are those of a VDRIVE of 3.3 V or more."""
+    part, fast = PARTS[dut.Part.value.to_unsigned()], dut.SclkKhz.value.to_unsigned() > 14_500
+    if part is AD7606:
+        return ad7606.Limits(**{"t_sclk": 1e6 / 17_000} if fast else {}), AD_RULES
+    return RULES.get(part.name, (max1112x.Limits(), MAX_RULES))
+
+
+def any_cycle(dut):
+    """Limits of a part that may convert again at once; None for a part without a shortest cycle."""
     part = PARTS[dut.Part.value.to_unsigned()]
-    if part.tagged:
-        return max1112x.Limits(), MAX_RULES
-    return (mcp3208.Limits(), MCP_RULES) if part is MCP3208 else (ad_limits(dut), AD_RULES)
+    return replace(limits_and_rules(dut)[0], t_cycle=0) if part.has_busy else None
+
+
+def between_edges(dut):
+    """A conversion in ns that ends between two clock edges of every build."""
+    return 3503 if dut.Part.value.to_unsigned() == AD7606.number else 603
 
 
 class Codes:
@@ -84,10 +98,13 @@ class Harness:
             make = lambda: mcp3208.Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, codes, limits, report)
         elif self.twin.part.tagged:
             pins += [dut.adc_mosi_o, dut.adc_miso_i, self.twin.part.data_bits]
+            limits = limits or limits_and_rules(dut)[0]
             make = lambda: max1112x.Max1112x(*pins, codes, limits, report)
         else:
+            pins += [dut.adc_mosi_o] * bool(self.twin.part.setup)
             pins += [dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, dut.adc_reset_o]
-            make = lambda: ad7606.Ad7606(*pins, codes, limits, report, conversion_ns)
+            model = ad7606c.Ad7606c if self.twin.part.setup else ad7606.Ad7606
+            make = lambda: model(*pins, codes, limits, report, conversion_ns)
         self.make = make
         self.clock = -1
         self.converts = []  # clocks of convert_o
@@ -288,6 +305,8 @@ async def counts_on_from_any_value(dut):
     part, often = PARTS[dut.Part.value.to_unsigned()], {"span": 20_000}
     inputs = {"cfg_period_i": 1, "trigger_i": 1, "adc_busy_i": 0, "out_ready_i": 0, "wait_i": 0}
     await bench.start(dut, cfg_enable_i=1, adc_miso_i=(1 << len(dut.adc_miso_i)) - 1, **inputs)
+    while not bench.high(dut.ready_o):
+        await RisingEdge(dut.clk_i)
     await bench.counts_on(dut, "overrun_o", **often)
     if part.has_busy:
         await bench.counts_on(dut, "timeout_o", **often)
@@ -321,7 +340,7 @@ async def every_code_arrives_on_the_grid(dut, consumer):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def drops_whole_frames_around_every_clock_of_a_start(dut):
     """The last sample is taken just before, in, or just after the clock in which the next frame starts."""
-    harness = Harness(dut, conversion_ns=3995)
+    harness = Harness(dut, conversion_ns=between_edges(dut))
     await harness.start()
     period, ticks = harness.period, 4
     for offset in range(-3, 4):
@@ -355,9 +374,8 @@ async def latency_is_the_twins(dut):
 async def shortest_period_is_the_twins(dut, short):
     """At the twin's minimum nothing is lost; with a clock less, every second tick or frame is lost and
     counted."""
-    ns = 4017.3
-    limits = ad_limits(dut, t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
-    harness = Harness(dut, limits=limits, conversion_ns=ns)
+    ns = 4017.3 if dut.Part.value.to_unsigned() == AD7606.number else 617.3
+    harness = Harness(dut, limits=any_cycle(dut), conversion_ns=ns)
     await harness.start(harness.twin.minimum_period(ns) - short)
     await harness.frames(12)
     clocks = harness.converts[:]
@@ -393,8 +411,7 @@ async def every_bit_of_a_period_is_waited_for(dut):
 async def a_very_short_period_only_loses_ticks(dut):
     """Ticks every 3 clocks: conversions stay on the grid of 3, frames stay right, the other ticks are
     counted."""
-    limits = ad_limits(dut, t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
-    harness = Harness(dut, limits=limits)
+    harness = Harness(dut, limits=any_cycle(dut))
     await harness.start(3)
     clocks = 6 * harness.twin.safe_period() // 3 * 3
     await harness.run(clocks)
@@ -479,8 +496,13 @@ async def goes_on_after_an_upset(dut):
                 assert whole + lost == 2 - ends, what
                 # The words of a plain part go on.
                 assert not (part is MCP3208 and register is dut.state_q and value > 1 and at and lost), what
-            assert len(pieces) == whole or register is not dut.state_q, what
+            # A setup in mid-frame ends one whose samples leave one by one.
+            cut = register is not dut.state_q or (value == 1 and part.has_busy and part.setup)
+            assert len(pieces) == whole or cut, what
+            if register is dut.state_q and value == 0:  # Reset: the part is reset and set up as after rst_i
+                await harness.run(-(-harness.twin.start_clocks() // harness.period) * harness.period)
             reports.clear()
+            sent = len(harness.beats)
             await harness.run(harness.period)
             assert not reports, (what, reports)
             if part.has_busy:
@@ -489,7 +511,7 @@ async def goes_on_after_an_upset(dut):
                 codes = [code for _, code, _ in harness.part.conversions[-channels:]]
             data, _ = harness.twin.samples(codes)
             expected = list(zip(data.tolist(), range(channels)))
-            assert [beat[1:3] for beat in harness.beats[sent + len(ids) :]] == expected, what
+            assert [beat[1:3] for beat in harness.beats[sent:]] == expected, what
 
 
 @bench.applies(lambda dut: dut.Channels.value.to_unsigned() == 1)
@@ -537,7 +559,7 @@ async def recovers_after_reset(dut, moment):
     await ReadOnly()
     assert (dut.out_valid_o.value, dut.adc_cs_n_o.value, dut.adc_convst_o.value) == (0, 1, 0)
     assert dut.adc_sclk_o.value == int(harness.twin.part is not MCP3208)
-    assert dut.adc_reset_o.value == int(harness.twin.part is AD7606)
+    assert dut.adc_reset_o.value == int(harness.twin.part.has_busy)
     assert harness.counters() == (0, 0, 0, 0)
     await RisingEdge(dut.clk_i)
     dut.rst_i.value = 0
@@ -575,10 +597,10 @@ async def the_first_tick_waits_until_the_part_is_ready(dut):
     await harness.frames(3)
     await harness.stop()
     assert harness.check() == 0
-    if harness.twin.part.tagged:
+    if harness.twin.part.setup:
         asked = [harness.twin.part.command(n) for n in range(harness.twin.words)]
-        assert harness.part.words[:5] == list(harness.twin.part.setup)
-        assert harness.part.words[5 : 5 + len(asked)] == asked
+        setup = harness.twin.part.setup_words(harness.twin.lanes)
+        assert harness.part.words[: len(setup) + len(asked)] == [*setup, *asked]
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -625,7 +647,7 @@ async def busy_timeout_is_the_twins(dut):
 async def busy_timeout_leaves_the_next_tick_alone(dut, after):
     """A tick in the first clock after a timeout still makes a legal CONVST pulse, and no tick is lost; a tick
     in the clock of the timeout is lost."""
-    harness = Harness(dut, limits=ad_limits(dut, t_cycle=0))
+    harness = Harness(dut, limits=any_cycle(dut))
     await harness.start(harness.twin.watch_clocks + after)
     harness.part.hold_busy(0)
     await harness.frames(6)
@@ -660,7 +682,7 @@ class Extremes:
         self.short = False
 
     def uniform(self, least, most):
-        if most < 1000:  # the delay of BUSY's rise
+        if least < 100:  # the delay of BUSY's rise
             return most
         self.short = not self.short
         return least if self.short else most
@@ -670,10 +692,10 @@ class Extremes:
 async def busy_of_others_is_waited_for(dut):
     """The read begins when the last BUSY has passed its synchroniser, at wait_i as at its own; one that is
     still high after the longest conversion is not waited for."""
-    harness = Harness(dut, conversion_ns=3503)
+    harness = Harness(dut, conversion_ns=between_edges(dut))
     await harness.start(harness.twin.safe_period() + harness.twin.watch_clocks)
     most = harness.twin.part.conversion_max_ns * harness.twin.clk_khz // 1_000_000
-    own = 3503 * harness.twin.clk_khz // 1_000_000
+    own = between_edges(dut) * harness.twin.clk_khz // 1_000_000
     for until in (0, own + 1, own + 2, own + 3, most, most + 1, most + 2, most + 9):
         before, reads = len(harness.converts), len(harness.reads)
         while len(harness.converts) == before:
@@ -694,7 +716,7 @@ async def busy_of_others_is_waited_for(dut):
 async def reading_during_conversions_spans_convst(dut, short):
     """At the twin's shortest period for every part, longest and shortest conversions in turn lose nothing and
     break no limit, and frames overlap. A clock less than the transfer takes loses ticks, but no data."""
-    harness = Harness(dut, limits=ad_limits(dut, t_cycle=0))
+    harness = Harness(dut, limits=any_cycle(dut))
     twin = harness.twin
     await harness.start(twin.minimum_period() - 1 if short else twin.safe_period())
     harness.part.draw = Extremes()
@@ -703,7 +725,7 @@ async def reading_during_conversions_spans_convst(dut, short):
     dropped, overrun, *others = harness.counters()
     assert (dropped, *others) == (0, 0, 0)
     # The longest conversion here is 50 ns shorter than the twin's, so a clock less may still suffice.
-    longest = 4150 * twin.clk_khz // 1_000_000
+    longest = int(harness.part.limits.t_conv_most) * twin.clk_khz // 1_000_000
     assert (overrun > 0) == (longest + 3 + twin.guard_clocks() > harness.period)
     assert harness.check() == 0
     ends = [beat[0] for beat in harness.beats if beat[3]]
@@ -799,8 +821,7 @@ async def tag_shows_a_part_that_lost_its_setup(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def triggers_start_conversions(dut):
     """A conversion starts in the clock after each trigger; each trigger gives samples or one lost_o."""
-    limits = ad_limits(dut, t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
-    harness = Harness(dut, limits=limits)
+    harness = Harness(dut, limits=any_cycle(dut))
     await harness.start(1)  # a period that must not matter
     draw = random.Random(bench.SEED)
     cycle = harness.twin.cycle_clocks()
@@ -855,15 +876,16 @@ async def busy_part_gets_its_reset(dut):
     await harness.start()
     await harness.frames(1)
     assert not reports
-    for rule in ("t_reset", "t_reset_convst"):
+    limits, part = harness.part.limits, harness.twin.part
+    for rule in ("t_reset", "t_reset_convst", *["t_dh"] * bool(part.setup)):
         reports.clear()
-        harness.part.limits = tightened(ad_limits(dut), rule)
+        harness.part.limits = tightened(limits, rule)
         await bench.reset(dut)
         await harness.run(harness.twin.start_clocks() + 5)
         assert {str(report).split(":")[0] for report in reports} == {rule}
     clock_ns = 1e6 / harness.twin.clk_khz
-    assert harness.part.reset_fell - harness.part.reset_rose >= 100
-    assert harness.part.convst_rose - harness.part.reset_fell >= 100 - clock_ns
+    assert harness.part.reset_fell - harness.part.reset_rose >= part.reset_ns
+    assert harness.part.convst_rose - harness.part.reset_fell >= part.start_ns - clock_ns
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -901,9 +923,9 @@ async def too_slow_a_part_is_misread(dut):
     if harness.twin.part is MCP3208:
         limits = mcp3208.Limits(t_do=late)
     elif harness.twin.part.tagged:
-        limits = max1112x.Limits(t_dot=late)
+        limits = replace(limits_and_rules(dut)[0], t_dot=late)
     else:
-        limits = ad_limits(dut, t_sclk_dout=late, t_cs_dout=late)
+        limits = replace(limits_and_rules(dut)[0], t_sclk_dout=late, t_cs_dout=late)
     harness = Harness(dut, limits=limits)
     await harness.start()
     await harness.frames(8)
@@ -934,9 +956,17 @@ BUILDS = [
     {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500, "ReadDuring": 1},
     {"Part": 2, "Channels": 5, "Lanes": 2, "ClkKhz": 100_000, "SclkKhz": 17_000, "ReadDuring": 1},
     {"Part": 2, "Channels": 3, "ClkKhz": 8_000, "SclkKhz": 14_500, "ReadDuring": 1, "PeriodBits": 16},
+    {"Part": 6, "Channels": 8, "Lanes": 8, "ClkKhz": 25_000, "SclkKhz": 60_000, "ReadDuring": 1},
     {"Part": 3, "Channels": 8, "ClkKhz": 8_000, "SclkKhz": 16_000},
     {"Part": 4, "Channels": 1, "ClkKhz": 100_000, "SclkKhz": 16_000},
     {"Part": 5, "Channels": 5, "ClkKhz": 16_000, "SclkKhz": 6_000},
+    {"Part": 7, "Channels": 8, "ClkKhz": 41_000, "SclkKhz": 48_000},
+    {"Part": 6, "Channels": 2, "ClkKhz": 4_000, "SclkKhz": 1_000},
+    pytest.param(
+        {"Part": 6, "Channels": 5, "Lanes": 2, "ClkKhz": 40_000, "SclkKhz": 60_000}, marks=pytest.mark.long
+    ),
+    {"Part": 6, "Channels": 7, "Lanes": 4, "ClkKhz": 8_000, "SclkKhz": 60_000},
+    {"Part": 6, "Channels": 8, "Lanes": 8, "ClkKhz": 6_000, "SclkKhz": 60_000},
 ]
 
 
@@ -957,7 +987,7 @@ EVIDENCE = {
 @pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: "-".join(map(str, p.values())))
 def test_adc_spi(parameters):
     skipped = ["triggers_"]
-    skipped += [] if parameters["Part"] == 2 else ["busy_"]
+    skipped += [] if PARTS[parameters["Part"]].has_busy else ["busy_"]
     skipped += [] if parameters.get("ReadDuring") else ["reading_"]
     skipped += [] if PARTS[parameters["Part"]].tagged else ["tag_"]
     bench.run("frontend", "adc_spi", parameters, test_filter=rf"^(?!.*({'|'.join(skipped)}))")
@@ -971,6 +1001,7 @@ def test_adc_spi(parameters):
         {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
         {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500, "ReadDuring": 1},
         {"Part": 4, "Channels": 8, "ClkKhz": 25_000, "SclkKhz": 16_000},
+        {"Part": 6, "Channels": 8, "Lanes": 8, "ClkKhz": 6_000, "SclkKhz": 60_000},
     ],
     ids=lambda p: "-".join(map(str, p.values())),
 )
@@ -994,12 +1025,15 @@ def test_adc_spi_with_upsets_of_its_shifter(parameters):
 test_refuses_illegal_parameters = refusals(
     "adc_spi",
     lambda part=1, **given: AdcSpi(PARTS.get(part), **given),
-    *({"Part": 0}, {"Part": 6}, {"Channels": 0}, {"Channels": 9}, {"Lanes": 0}, {"Lanes": 2}),
+    *({"Part": 0}, {"Part": 8}, {"Channels": 0}, {"Channels": 9}, {"Lanes": 0}, {"Lanes": 2}),
     *({"ClkKhz": 400_001}, {"SclkKhz": 2_001}, {"SclkKhz": 0}, {"SclkKhz": 9}, {"SampleBits": 12}),
     *({"Lanes": 3, "Part": 2}, {"Lanes": 2, "Part": 2, "Channels": 4}, {"SclkKhz": 17_001, "Part": 2}),
     *({"SclkKhz": 1000, "ClkKhz": 19}, {"SampleBits": 15, "Part": 2}, {"Lanes": 2, "Part": 3}),
     *({"SclkKhz": 16_001, "Part": 3}, {"SclkKhz": 150, "Part": 3}, {"SampleBits": 12, "Part": 5}),
-    *({"PeriodBits": 33}, {"ReadDuring": 1}, {"ReadDuring": 1, "Part": 3}),
+    *({"Lanes": 3, "Part": 6}, {"Lanes": 16, "Part": 6}, {"Lanes": 8, "Part": 6, "Channels": 1}),
+    *({"SclkKhz": 48_001, "Part": 7}, {"SclkKhz": 470, "Part": 7}, {"Lanes": 2, "Part": 7}),
+    *({"Lanes": 4, "Part": 6, "Channels": 2}, {"SclkKhz": 60_001, "Part": 6}, {"PeriodBits": 33}),
+    *({"ReadDuring": 1}, {"ReadDuring": 1, "Part": 3}),
 )
 
 
@@ -1013,9 +1047,9 @@ def test_twin_knows_every_code(part):
 
 
 def test_twin_knows_every_command():
-    """Start bit, single-ended, channel; the AD7606 has no DIN."""
+    """Start bit, single-ended, channel; the AD7606 has no DIN, an AD7606C keeps sending while it reads 0."""
     assert [f"{MCP3208.command(n):016b}" for n in range(8)] == [f"11{n:03b}" + 11 * "0" for n in range(8)]
-    assert [AD7606.command(n) for n in range(8)] == [0] * 8
+    assert [part.command(n) for part in (AD7606, AD7606C) for n in range(8)] == [0] * 16
 
 
 @pytest.mark.parametrize("part", PARTS.values(), ids=lambda part: part.name)
@@ -1036,6 +1070,13 @@ def test_twin_never_exceeds_the_parts_clock(part):
         (AD7606, 50_000, 2),
         (MAX11123, 32_000, 1),  # 17 + 7 ns are 0.77 clocks
         (MAX11123, 32_001, 2),  # 16 MHz
+        (AD7606C, 37_037, 1),  # 20 + 7 ns are 0.999999 clocks
+        (AD7606C, 37_038, 2),
+        (AD7606C, 100_000, 2),  # three clocks, so 25 MHz
+        (MAX11131, 41_666, 1),  # 17 + 7 ns are 0.99998 clocks: 20.8 MHz
+        (MAX11131, 41_667, 2),
+        (MAX11131, 125_000, 2),  # 3 clocks: 31.25 MHz
+        (MAX11131, 125_001, 3),
         (MCP3208, 48_000, 12),  # 2 MHz; 200 + 7 ns are 9.94 clocks
     ],
 )
@@ -1050,3 +1091,10 @@ def test_half_a_bit_by_hand(part, clk_khz, half):
 def test_busy_is_waited_for_as_long_as_the_page_says(clk_khz, clocks):
     """docs/adc.md: the smallest power of two that lasts 8.4 µs, here 33.6, 100.8, 210, 403.2, 840 clocks."""
     assert AdcSpi(AD7606, clk_khz=clk_khz).watch_clocks == clocks
+
+
+@pytest.mark.parametrize("lanes, word", [(1, 0x0200), (2, 0x0208), (4, 0x0210), (8, 0x0218)])
+def test_lanes_are_a_field_of_a_register(lanes, word):
+    """docs/adc.md: 0, 1, 2, 3 in bits 4:3 of register 2; the other setup words do not know the lanes."""
+    others = [0x0311, 0x0411, 0x0511, 0x0611, 0x07FF, 0]
+    assert list(AD7606C.setup_words(lanes)) == [0x4200, word, *others]

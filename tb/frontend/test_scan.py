@@ -434,6 +434,10 @@ SIZES = [
     {"Rows": 2, "Columns": 5, "Channels": 3, "Lanes": 2, "Cycle": 20, "SettleBits": 6, "SampleBits": 13},
     {"Rows": 8, "Columns": 8, "Channels": 1, "Lanes": 8, "Cycle": 20, "SettleBits": 6},
     {"Rows": 6, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6},
+    {"Rows": 3, "Columns": 10, "Channels": 3, "Lanes": 3, "Cycle": 24, "SettleBits": 6},
+    {"Rows": 2, "Columns": 17, "Channels": 4, "Lanes": 5, "Cycle": 20, "SettleBits": 6},
+    {"Rows": 3, "Columns": 78, "Channels": 6, "Lanes": 6, "Cycle": 20, "SettleBits": 6},
+    {"Rows": 5, "Columns": 64, "Channels": 5, "Lanes": 7, "Cycle": 80, "SettleBits": 6, "Depth": 32},
     pytest.param(
         {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 40, "SettleBits": 6, "Depth": 64},
         marks=pytest.mark.long,
@@ -492,16 +496,8 @@ def test_refuses_illegal_parameters():
     assert "SampleBits" in bench.refuses("scan", {"SampleBits": 1})
     for overlap in (1, 30):
         assert "Overlap" in bench.refuses("scan", {"Cycle": 30, "Overlap": overlap})
-    refused(
-        Scan,
-        {"sample_bits": 1},
-        {"overlap": 30, "cycle": 30},
-        {"overlap": 1},
-        {"overlap": -1},
-        {"depth": 16},
-        {"rows": 0},
-        {"lanes": 3},
-    )
+    wrong = [{"overlap": 30, "cycle": 30}, {"overlap": 1}, {"overlap": -1}]
+    refused(Scan, {"sample_bits": 1}, *wrong, {"depth": 16}, {"rows": 0}, {"lanes": 9})
 
 
 def test_twin_refuses_frames_of_another_size():

@@ -14,13 +14,13 @@ from cocotb.triggers import ReadOnly, RisingEdge, ValueChange
 
 import bench
 from frontend.test_scan import apply, counts
-from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, PARTS
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11125, MAX11131, MCP3208, PARTS
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_plan import Settings
-from parts import ad7606, max1112x, mcp3208
+from parts import ad7606, ad7606c, max1112x, mcp3208
 from parts.timing import Line, now
 
-CONVERSION_NS = (4017.3, 3512.0)  # of an AD7606 on lane 0, and on the other lanes
+CONVERSION_NS = {AD7606: (4017.3, 3512.0), AD7606C: (617.3, 512.0)}  # on lane 0, and on the other lanes
 
 
 def twin_of(dut):
@@ -91,22 +91,23 @@ class Board:
         await bench.clocks(dut, 3)
         self.parts = []
         for lane in range(twin.lanes):
-            pin = lambda name, lane=lane: Line(getattr(dut, f"adc_{name}"), lane, driven)
+            pin = lambda name, width=1, lane=lane: Line(getattr(dut, f"adc_{name}"), lane, driven, width)
+            own = lambda name, pin=pin: pin(name, lane=0) if self.shared else pin(name)
             code = lambda channel, time, lane=lane: self.code(lane, channel, time)
             if twin.part is MCP3208:
                 part = mcp3208.Mcp3208(pin("cs_n_o"), pin("sclk_o"), pin("mosi_o"), pin("miso_i"), code)
-            elif twin.part is AD7606:
-                names = ("cs_n_o", "sclk_o", "miso_i", "convst_o", "busy_i", "reset_o")
-                own = lambda name, lane=lane: 0 if self.shared and name.endswith("_o") else lane
-                pins = [pin(name, own(name)) for name in names]
-                pins[2].width = twin.adc_lanes
-                lasts = None if self.shared else CONVERSION_NS[min(lane, 1)]
-                part = ad7606.Ad7606(*pins, code, conversion_ns=lasts)
+            elif twin.part.has_busy:
+                pins = [own("cs_n_o"), own("sclk_o"), *[own("mosi_o")] * bool(twin.part.setup)]
+                pins += [pin("miso_i", twin.adc_lanes), own("convst_o"), pin("busy_i"), own("reset_o")]
+                model = ad7606c.Ad7606c if twin.part.setup else ad7606.Ad7606
+                lasts = None if self.shared else CONVERSION_NS[twin.part][min(lane, 1)]
+                part = model(*pins, code, conversion_ns=lasts)
                 part.draw.seed(lane)
             else:
                 pins = [pin(name) for name in ("cs_n_o", "sclk_o", "mosi_o", "miso_i")]
                 # A frame's first word samples too, but that code is not used.
-                part = max1112x.Max1112x(*pins, twin.part.data_bits, self.lenient(code))
+                limits = max1112x.FAST if twin.part is MAX11131 else None
+                part = max1112x.Max1112x(*pins, twin.part.data_bits, self.lenient(code), limits)
             self.parts.append(part)
         await bench.clocks(dut, 3)
         dut.rst_i.value = 0
@@ -181,7 +182,8 @@ class Board:
             assert {beat[5] for beat in part} == {index}
             assert {beat[6] for beat in part} == {self.time(self.converts[number])}
         assert not self.counted()
-        idle = ["mosi"] if self.twin.part is AD7606 else ["convst", "reset"]
+        busy, setup = self.twin.part.has_busy, bool(self.twin.part.setup)
+        idle = ["mosi"] * (busy and not setup) + ["convst", "reset"] * (not busy)
         assert not any(bench.read(getattr(self.dut, f"adc_{name}_o")) for name in idle)
 
     def counted(self):
@@ -212,7 +214,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
     made.check()
     assert len(made.beats) >= 2 * twin.rows * twin.scan.beats
 
-    steps = twin.latency(settle, conversion_ns=CONVERSION_NS[0])
+    steps = twin.latency(settle, conversion_ns=CONVERSION_NS.get(twin.part, [0])[0])
     first = made.converts[0]
     per_frame = len(twin.scan.places())
     assert made.converts[1] - first == steps["slot"]
@@ -225,7 +227,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
     dut._log.info(f"settle {settle}: frame {us[1]:.1f} us, first convert to last beat {us[0]:.1f} us")
 
 
-@bench.applies(lambda dut: twin_of(dut).part is AD7606 and twin_of(dut).lanes > 1)
+@bench.applies(lambda dut: twin_of(dut).part.has_busy and twin_of(dut).lanes > 1)
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def parts_that_share_their_lines_are_read_together(dut):
     """One CS, SCLK, CONVST and RESET for all parts, each of which converts as long as it likes."""
@@ -275,6 +277,7 @@ async def long_times_are_long(dut):
         apply(dut, made.settings)
         await bench.clocks(dut, 2 * slot)
         await bench.reset(dut)  # a conversion in its settle time would go on
+        made.converted = float("-inf")  # nor are the words of the setup samples of a conversion before it
         made.settings = settings
         apply(dut, settings).put(enable=1)
         made.converts.clear()
@@ -317,12 +320,12 @@ async def a_part_that_fails_spoils_no_frame(dut):
     await made.start()
     await made.run(twin.adc.start_clocks() + frame + slot // 2)
     part = made.parts[-1]
-    if twin.part is AD7606:
+    if twin.part.has_busy:
         part.hold_busy(0)
     else:
         part.spoil = lambda answer: answer ^ 0x4000
     await made.run(3 * slot)
-    if twin.part is AD7606:
+    if twin.part.has_busy:
         part.hold_busy(None)
     else:
         part.spoil = None
@@ -348,8 +351,13 @@ BUILDS = [
     {"Rows": 16, "Columns": 16, "Part": AD7606.number, "Channels": 8, "ClkKhz": 25_000},
     {"Rows": 3, "Columns": 3, "Part": MCP3208.number, "Channels": 3, "ClkKhz": 8_000, "SclkKhz": 2_000},
     {"Rows": 8, "Columns": 8, "Part": MAX11123.number, "Channels": 8, "ClkKhz": 25_000},
-    {"Rows": 4, "Columns": 15, "Part": MAX11125.number, "Channels": 4, "Lanes": 2, "ClkKhz": 50_000},
+    {"Rows": 4, "Columns": 15, "Part": MAX11131.number, "Channels": 4, "Lanes": 2, "ClkKhz": 41_000},
     {"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "ClkKhz": 20_000},
+    {"Rows": 2, "Columns": 28, "Part": MAX11125.number, "Channels": 3, "Lanes": 5, "ClkKhz": 50_000},
+    {
+        **{"Rows": 3, "Columns": 14, "Part": AD7606C.number, "Channels": 7, "Lanes": 2, "AdcLanes": 4},
+        **{"ClkKhz": 8_000, "SclkKhz": 60_000},
+    },
     {
         **{"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "AdcLanes": 2},
         **{"ClkKhz": 100_000, "ReadDuring": 1},

@@ -21,25 +21,25 @@ def now():
 
 
 class Line:
-    """The ``width`` bits of part ``index`` in a vector of pins, for one of several parts on the same ports.
+    """``width`` bits of a vector of pins, for one of several parts on the same ports.
 
     ``driven``: the same dict for all parts; it keeps the levels driven on each input port.
     """
 
     def __init__(self, port, index, driven, width=1):
-        self.port, self.index, self.driven, self.width = port, index, driven, width
+        self.port, self.driven, self.width = port, driven, width
+        self.low, self.mask = index * width, (1 << width) - 1
 
     def __len__(self):
         return self.width
 
     @property
     def value(self):
-        return read(self.port) >> self.index * self.width & (1 << self.width) - 1
+        return read(self.port) >> self.low & self.mask
 
     @value.setter
     def value(self, level):
-        mine = (1 << self.width) - 1 << self.index * self.width
-        levels = self.driven.get(self.port._path, 0) & ~mine | int(level) << self.index * self.width
+        levels = self.driven.get(self.port._path, 0) & ~(self.mask << self.low) | int(level) << self.low
         self.driven[self.port._path] = levels
         self.port.value = levels
 

@@ -31,7 +31,8 @@ def test_ranges_of_the_parts():
     assert (PARTS["MCP3208"].min_code, PARTS["MCP3208"].max_code) == (0, 4095)
     assert (PARTS["AD7606"].min_code, PARTS["AD7606"].max_code) == (-32768, 32767)
     assert PARTS["MCP3208"].lsb_v == 5 / 4096
-    assert PARTS["AD7606"].lsb_v == 10 / 65536
+    assert PARTS["AD7606"].lsb_v == PARTS["AD7606C-16"].lsb_v == 10 / 65536
+    assert (PARTS["AD7606C-16"].min_code, PARTS["AD7606C-16"].noise_v) == (-32768, 0.172e-3)
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -87,6 +88,8 @@ def test_a_range_between_two_takes_the_wider():
     found = {volts: of(volts) for volts in (1.0, 5.0, 5.01, 10.0, 12.0, None)}
     assert found == {1.0: [5.0], 5.0: [5.0], 5.01: [10.0], 10.0: [10.0], 12.0: [10.0], None: [5.0, 10.0]}
     assert old_rows("MCP3208", 0.0) == []
+    (wide,) = old_rows("ad7606c-16", 5e-6, 10.0)  # w = sqrt(2) pi 220 kHz 5 us = 4.8872
+    assert wide == {"range_v": 5.0, "corner_hz": 220e3, "left": pytest.approx(0.00612, abs=5e-6)}
 
 
 def test_what_is_said_of_a_row_that_has_not_settled():

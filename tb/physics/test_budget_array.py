@@ -10,11 +10,11 @@ import pytest
 from harness.command import meissner
 from meissner import cli
 from meissner.budget import array as budget
-from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11125, MCP3208
 
 
 @pytest.mark.parametrize("rows, columns", [(1, 1), (3, 3), (16, 16), (64, 64), (5, 100)])
-@pytest.mark.parametrize("part", [AD7606, MCP3208, MAX11125], ids=lambda part: part.name)
+@pytest.mark.parametrize("part", [AD7606, AD7606C, MCP3208, MAX11125], ids=lambda part: part.name)
 def test_terms_add_up_and_follow_what_they_stand_for(rows, columns, part):
     found = budget.budget(rows, columns, 50e6, part, converters=2, channels=8)
     assert sum(found["terms_clocks"].values()) == found["total_clocks"]
@@ -49,11 +49,24 @@ def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
     assert budget.budget(64, 64, 100e6, AD7606)["converters_needed"] == 8
 
 
+@pytest.mark.parametrize("lanes, slot, transfer", [(1, 618, 543), (2, 505, 275), (4, 505, 141), (8, 505, 74)])
+def test_an_ad7606c_needs_four_converters_on_any_number_of_lines(lanes, slot, transfer):
+    """At 100 MHz a bit is four clocks and a word 17 bits, so 8 words take 544. BUSY is low after 71, the
+    words begin 3 later. 5 us, one clock and the 4 until the inputs may change are 505: only one line takes
+    longer. The last sample comes after 3 clocks, the words but the last rest, and a clock for each sample of
+    the other lines."""
+    found = budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0, adc_lanes=lanes)
+    assert (found["converters_needed"], found["slot_clocks"]) == (4, slot)
+    assert found["terms_clocks"]["transfer"] == transfer
+    assert found == budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0) or lanes != 2
+
+
 # An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A
 # place of c inputs takes 480·c + 1 clocks; the word of its input w arrives after 480·w - 24. 10 rows of 16
-# columns are 10·ceil(16 / (converters·c)) places, and the last place's w is c, or 4 where four converters
-# with eight inputs have only four columns each. After that come 5 clocks of buffer, 1 of health, 1 of tare,
-# and 14, 15 or 16 of force, sums and division with one, two and four lanes (docs/cop.md).
+# columns are 10·ceil(16 / (converters·c)) places, and the last place's w is c, or what is left of a row: 4
+# where four converters with eight inputs have only four columns each, 2, 1 and 3 with three, five and seven
+# converters. After that come 5 clocks of buffer, 1 of health, 1 of tare, and 14, 15, 16 or 17 of force, sums
+# and division with one, two, up to four, and more lanes (docs/cop.md).
 @pytest.mark.parametrize(
     "converters, inputs, clocks",
     [
@@ -65,6 +78,9 @@ def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
         (4, 2, 19 * 961 + 936 + 23),
         (4, 4, 9 * 1921 + 1896 + 23),
         (4, 8, 9 * 3841 + 1896 + 23),
+        (3, 4, 19 * 1921 + 936 + 23),
+        (5, 3, 19 * 1441 + 456 + 24),
+        (7, 8, 9 * 3841 + 1416 + 24),
     ],
 )
 def test_clocks_worked_out_by_hand(converters, inputs, clocks):
@@ -73,9 +89,9 @@ def test_clocks_worked_out_by_hand(converters, inputs, clocks):
 
 
 def test_the_inputs_used_are_searched_too():
-    """Four converters with four inputs each: 9·1921 + 1896 + 23 = 19,208 clocks, 800.3 us. One or two
-    converters are too slow with any number of inputs: 10·16 conversions of 20 us take 3.2 ms with one and 1.6
-    ms with two."""
+    """Four converters with four inputs each: 9·1921 + 1896 + 23 = 19,208 clocks, 800.3 us. Fewer are too slow
+    with any number of inputs: 10·16 conversions of 20 us take 3.2 ms with one, 1.6 ms with two and, for six
+    columns each, 1.2 ms with three."""
     found = budget.budget(10, 16, 24e6, MCP3208)
     chosen = {key: found[key] for key in ("converters", "channels", "converters_needed", "total_clocks")}
     assert chosen == {"converters": 4, "channels": 4, "converters_needed": 4, "total_clocks": 19_208}

@@ -54,8 +54,10 @@ def test_channels_by_hand(of, clocks):
 def test_electrodes_by_hand(touch, clocks):
     """An AD7606 at 25 MHz: 4.2 us of conversion are 105 clocks. The fourth word of one lane comes 96 clocks
     after the first, which docs/adc.md has 138 clocks after convert start, for a conversion of 4.15 us (104).
-    docs/cop4.md has the clocks after it. A code is 10 V/65536/0.3, and the noise 117 uV/0.3."""
-    found = electrodes.of_config(build("cop4", load={"correction": touch}))
+    docs/cop4.md has the clocks after it. A code is 10 V/65536/0.3, and the noise 117 uV/0.3; a code of an
+    amplified difference is a sixth of that."""
+    changed = {"correction": touch, "difference_gain": 6.0}
+    found = electrodes.of_config(build("cop4", load=changed))
     words = found["terms_clocks"].pop("transfer")
     assert found["terms_clocks"] == {"convert": 105, "cop4": clocks, "cop_slip": 5}
     assert words == 138 - 104 + 1 + 3 * 32
@@ -63,7 +65,10 @@ def test_electrodes_by_hand(touch, clocks):
     of = found["resolution"]
     assert of["code_v"] == pytest.approx(10 / 65536 / 0.3) and of["noise_v"] == pytest.approx(117e-6 / 0.3)
     # The noise, 0.77 steps, adds to the 1/sqrt(12) steps rms of the quantisation; it has no greatest value.
-    quiet = electrodes.cop4.budget(build("cop4").cop4.mesh, 16, range_v=5 / 0.3)
+    quiet = electrodes.cop4.budget(build("cop4").cop4.mesh, 16, 6.0, range_v=5 / 0.3, pairs=True)
+    assert of["gain"] == 6.0
+    for one in of["loads"]:
+        assert one["x"]["step"] == pytest.approx(of["Cx"] * 10 / 65536 / 0.3 / 6 / one["n_v"] / 2)
     for one, other in zip(of["loads"], quiet["loads"]):
         for axis in ("x", "y", "load"):
             ratio = (1 + 12 * (117e-6 / (10 / 65536)) ** 2) ** 0.5
@@ -114,6 +119,8 @@ def test_every_named_configuration_and_a_file_of_ones_own_have_a_budget(tmp_path
         ("AD7606", 5.0, 1.0, "99.6 % (±5 V, 15 kHz)"),
         ("AD7606", 10.0, 40.0, "2.34 % (±10 V, 23 kHz)"),  # an overshoot
         ("AD7606", 5.0, 75.0, None),
+        ("AD7606C-16", 5.0, 1.0, "52.2 % (±5 V, 220 kHz)"),
+        ("AD7606C-16", 5.0, 5.0, None),
         ("MAX11125", 5.0, 1.0, None),
         ("MCP3208", 5.0, 0.0, None),
     ],
@@ -128,7 +135,7 @@ def test_the_low_pass_of_a_scanned_converter_is_warned_of(tmp_path, part, volts,
         ("hold_ms = 20.0", "hold_ms = 60.0"),
         ("refractory_ms = 10.0", "refractory_ms = 70.0"),
         ("blank_ms = 50.0", "blank_ms = 80.0"),
-        ("lanes = 2", f"lanes = {2 if part == 'AD7606' else 1}"),
+        ("lanes = 2", f"lanes = {2 if part.startswith('AD') else 1}"),
     ):
         assert old in text
         text = text.replace(old, new)

@@ -2,12 +2,13 @@
 health, tare, calibration and centre of pressure, all stages at once.
 
 The cases: a capacitive array on its carrier behind a MAX11125, demodulated; 4×8 behind an MCP3208 and 16×16
-behind an AD7606; 3×16 behind eight MCP3208 and 64×64 behind eight AD7606, whose pins move together (one
-model, so all eight give the same codes); those behind AD7606 also read during the next conversion.
-Gains differ from taxel to taxel, a tare of the first frames finds
-the zeros, then a press moves. Every result equals the twin's for the very codes at the pins, bit for bit;
-every latency is the twin's, which is what `meissner budget` prints, and is below 1 ms where the array's
-converters allow it. On the smallest array also the forces at the tap, faults and counters.
+behind an AD7606; 4×10 behind three MCP3208 and 5×17 behind five AD7606 of three inputs, whose second group
+of columns has one beat; 3×16 behind eight MCP3208 or two AD7606C-16 on eight lines each; 2×14 behind two
+MAX11131; 64×64 behind eight AD7606. Two arrays are also read during the next conversion. Pins of several
+converters move together (one model, so all give the same codes). Gains differ from taxel to taxel, a tare of the first frames finds the zeros, then a press moves. Every result
+equals the twin's for the very codes at the pins, bit for bit; every latency is the twin's, which is what
+`meissner budget` prints, and is below 1 ms where the array's converters allow it. On the smallest array also
+the forces at the tap, faults and counters.
 """
 
 from dataclasses import replace
@@ -20,21 +21,22 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 import bench
 import members
 from meissner.budget.array import terms
-from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11125, MAX11131, MCP3208, PARTS
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
 from meissner.twins.sensor.sensors import Array
 from parts.ad7606 import Ad7606
 from parts.ad7606 import Limits as Timing
+from parts.ad7606c import Ad7606c
 from parts.carrier import CarrierMatrix
-from parts.max1112x import Max1112x
+from parts.max1112x import FAST, Max1112x
 from parts.mcp3208 import Mcp3208
 from parts.timing import Line
 
 CLK_KHZ = 100_000  # the bench's clock of 10 ns
 CARRIER_HZ = 1e8 / 256
-CONVERSION_NS = 3995  # of every AD7606 here, so that BUSY falls between two clock edges
+CONVERSION_NS = {AD7606: 3995, AD7606C: 615}  # so that BUSY falls between two clock edges
 SETTLE = 7
 TARE_LOG2 = 1
 MICROSECONDS = {(16, 0): 331, (64, 0): 662}  # stated in the README for the two arrays behind AD7606
@@ -54,6 +56,16 @@ CASES = {
         **{"Rows": 3, "Columns": 16, "Adc": MCP3208.number, "AdcChannels": 2, "SclkKhz": 2000},
         "Converters": 8,
     },
+    "4x10": {
+        **{"Rows": 4, "Columns": 10, "Adc": MCP3208.number, "AdcChannels": 4, "SclkKhz": 2000},
+        "Converters": 3,
+    },
+    "5x17": {"Rows": 5, "Columns": 17, "Adc": AD7606.number, "AdcChannels": 3, "Converters": 5},
+    "3x16c": {
+        **{"Rows": 3, "Columns": 16, "Adc": AD7606C.number, "Converters": 2, "AdcLanes": 8},
+        "SclkKhz": 60_000,
+    },
+    "2x14": {"Rows": 2, "Columns": 14, "Adc": MAX11131.number, "Converters": 2, "AdcChannels": 7},
     "16x16": {"Rows": 16, "Columns": 16, "Adc": AD7606.number, "AdcLanes": 2},
     "64x64": {
         "Rows": 64,
@@ -144,15 +156,22 @@ class Matrix:
         self.taken, self.times, self.plan = [], [], []
 
     def code(self, channel, time_ns):
+        tagged = self.twin.scan.part.tagged
+        if tagged and channel != len(self.taken) % self.twin.scan.channels:
+            return 0  # the sample of a frame's first word, which is for the frame before
         rows = bench.read(self.dut.row_o)
         assert rows and rows & rows - 1 == 0, f"rows {rows:b} while converting"
         row, group = rows.bit_length() - 1, bench.read(self.dut.group_o)
         column = self.twin.scan.scan.column(group, channel, 0)
+        if channel >= self.twin.scan.channels:
+            return 0  # the part converts an input whose word is not read
         if self.plan:
             self.press = self.plan[min(self.frames, len(self.plan) - 1)]
         part = self.twin.scan.part
-        most = (1 << part.data_bits - part.signed) - 1
-        code = min(int(self.zero[row, column] + self.press[row, column]), most) & (1 << part.data_bits) - 1
+        code = most = (1 << part.data_bits - part.signed) - 1
+        if column < self.twin.scan.columns:  # else the code of an input without a column
+            code = min(int(self.zero[row, column] + self.press[row, column]), most)
+        code &= (1 << part.data_bits) - 1
         self.taken.append((time_ns, row, group, channel, code))
         return code
 
@@ -222,15 +241,18 @@ async def begin(dut, limits=None, load=True):
         dut.adc_mosi_o,
         Together(dut.adc_miso_i, adc_lanes),
     )
-    if scan.part is AD7606:
+    if scan.part.has_busy:
         convst, busy, reset = dut.adc_convst_o, Together(dut.adc_busy_i), dut.adc_reset_o
-        part = Ad7606(cs_n, sclk, miso, convst, busy, reset, matrix.code, conversion_ns=CONVERSION_NS)
-        if scan.adc.sclk_khz > 14_500:
+        pins = [cs_n, sclk, *[Alike(mosi, cs_n)] * bool(scan.part.setup), miso, convst, busy, reset]
+        model = Ad7606c if scan.part.setup else Ad7606
+        part = model(*pins, matrix.code, conversion_ns=CONVERSION_NS[scan.part])
+        if scan.part is AD7606 and scan.adc.sclk_khz > 14_500:
             part.limits = Timing(t_sclk=1e6 / 17_000)  # VDRIVE of 3.3 V or more
     elif scan.part is MCP3208:
         part = Mcp3208(Alike(cs_n), Alike(sclk), Alike(mosi, cs_n), miso, matrix.code)
     else:
-        part = Max1112x(cs_n, sclk, mosi, miso, bits, matrix.code)
+        limits = FAST if scan.part is MAX11131 else None
+        part = Max1112x(Alike(cs_n), Alike(sclk), Alike(mosi, cs_n), miso, bits, matrix.code, limits)
 
     if not load:
         return twin, matrix, part, settings
@@ -333,7 +355,7 @@ async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut
     twin, matrix, *_ = await begin(dut)
     out, converts = await results(dut, matrix, twin, FRAMES)
     check(twin, matrix, out)
-    given = {"conversion_ns": CONVERSION_NS} if twin.scan.part is AD7606 else {}
+    given = {"conversion_ns": CONVERSION_NS[twin.scan.part]} if twin.scan.part.has_busy else {}
     steps = twin.latency(SETTLE, **given)
     conversions = len(twin.scan.scan.places()) * getattr(twin.scan, "count", 1)
     starts = converts[::conversions]
@@ -345,13 +367,13 @@ async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut
         f"compute {steps['compute'] * us:.2f} us, first convert to result {totals[0] * us:.2f} us"
     )
     assert set(totals) == {steps["total"]}, (set(totals), steps)
-    if twin.scan.part is AD7606:
+    if twin.scan.rows in (16, 64):
         assert round(totals[0] * us) == MICROSECONDS[twin.scan.rows, number(dut, "ReadDuring")]
     assert sum(terms(twin, SETTLE, **given)[0].values()) == steps["total"]
     assert set(np.diff(starts)) == {steps["frame"]}
     # With a carrier, the time is that of the clock before the burst's first convert start.
     assert matrix.times == [bench.time(start - number(dut, "Demod")) for start in starts[:FRAMES]]
-    if twin.scan.part is AD7606:
+    if twin.scan.part.has_busy:
         assert steps["total"] * us < 1000, "the millisecond is spent"
     others = ("scan_held", "tare_state_pressed")
     assert {name: n for name, n in status(dut).items() if n and name not in others} == {"tare_tared": 1}

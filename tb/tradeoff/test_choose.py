@@ -79,7 +79,15 @@ def test_the_cheapest_that_meets_the_needs(needs, expected):
 
 
 # Of a request for each converter: its bits, and the most that a run may fail and wait.
-OF_PART = {"MAX11123": (8,), "MAX11124": (10,), "MCP3208": (12,), "MAX11125": (12,), "AD7606": (15,)}
+OF_PART = {
+    "MAX11123": (8,),
+    "MAX11124": (10,),
+    "MCP3208": (12,),
+    "MAX11125": (12,),
+    "MAX11131": (12,),
+    "AD7606": (15,),
+    "AD7606C-16": (15,),
+}
 WRONG = (None, 0.0, 0.5, 1.0, 3.0, 20.0, 99.0)
 DELAYS = (None, 0.3, 3.6, 5.0, 5.3, 5.54821888, 10.0, 24.0, 60.0)
 

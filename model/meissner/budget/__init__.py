@@ -90,7 +90,7 @@ def _array(arguments):
     found = array.budget(
         *(arguments.rows, arguments.columns, arguments.clock, array.part_of(arguments.adc)),
         *(arguments.converters, arguments.settle_us, arguments.channels, arguments.sclk_khz, carrier),
-        *(not arguments.no_health, not arguments.no_tare, arguments.bits_per_clock),
+        *(not arguments.no_health, not arguments.no_tare, arguments.bits_per_clock, arguments.adc_lanes),
         arguments.read == "during",
     )
     if arguments.json:

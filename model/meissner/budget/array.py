@@ -13,9 +13,9 @@ from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
 from meissner.twins.sensor.sensors import Array
+from meissner.twins.shared import LANES
 
 BUDGET_S = 1e-3
-LANES = (1, 2, 4, 8)
 INPUTS = range(1, 9)  # of a converter
 NAMES = {
     "scan": "first to last convert start of a frame",
@@ -38,16 +38,34 @@ def part_of(name):
     return parts[name.lower()]
 
 
+def lanes_of(part, channels):
+    """Data lines of a converter: two if it has them and each is used. With more the samples come earlier, but
+    a slot that waits for the inputs to settle is no shorter."""
+    return 2 if part.max_lanes > 1 and channels > 4 else 1
+
+
 def scan_of(
-    rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None, read_during=False
+    rows,
+    columns,
+    part,
+    clk_khz,
+    converters,
+    channels=None,
+    sclk_khz=None,
+    carrier=None,
+    adc_lanes=None,
+    read_during=False,
 ):
     """The scan of such an array; ``carrier``: arguments of ScanDemod, or None for taxels read without a
-    carrier, through ``channels`` inputs of each converter. ``read_during``: the next conversion."""
+    carrier, through ``channels`` inputs of each converter on ``adc_lanes`` lines, None: as ``lanes_of``;
+    ``read_during``: the next conversion."""
     if read_during and not part.has_busy:
         raise ValueError(f"read = during must be after for the {part.name}, which has no BUSY")
     if carrier is not None:
+        if adc_lanes not in (None, 1):
+            raise ValueError(f"adc-lanes = {adc_lanes} must be 1 with a carrier")
         return ScanDemod(rows, columns, converters, part, clk_khz, sclk_khz, **carrier)
-    adc_lanes = part.max_lanes if channels > part.lane_channels else 1
+    adc_lanes = lanes_of(part, channels) if adc_lanes is None else adc_lanes
     return ScanAdc(
         rows, columns, converters, part, channels, adc_lanes, clk_khz, sclk_khz, read_during=read_during
     )
@@ -80,6 +98,7 @@ def budget(
     health=True,
     tare=True,
     bits_per_clock=2,
+    adc_lanes=None,
     read_during=False,
 ):
     """The latency of the array as a dict. ``converters`` None: the fewest with which a frame meets BUDGET_S,
@@ -90,7 +109,7 @@ def budget(
     if not 1e6 <= clock_hz <= 2e8 or clock_hz % 1e3:
         raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e6 to 2e8 Hz")
     if converters is not None and converters not in LANES:
-        raise ValueError(f"converters = {converters} must be one of: {', '.join(map(str, LANES))}")
+        raise ValueError(f"converters = {converters} must lie in 1 .. {LANES[-1]}")
     if not 0 <= settle_us <= 1000:
         raise ValueError(f"settle-us = {settle_us:g} must lie in 0 .. 1000")
     settle = Units(clk_khz=round(clock_hz / 1e3)).settle_clocks(exact(settle_us) / 1_000_000)
@@ -112,9 +131,8 @@ def budget(
         return min(every, key=lambda found: found["total_clocks"])
 
     def found_with(lanes, channels):
-        scan = scan_of(
-            rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier, read_during
-        )
+        sizes = rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz
+        scan = scan_of(*sizes, carrier, adc_lanes, read_during)
         array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock=bits_per_clock)
         return measured(array, settle, clock_hz, lanes, channels)
 
@@ -157,9 +175,8 @@ def of_config(config):
     array = Array(config.scan, limits, zeros, row_column=config.array.gains == "row_column")
     found = measured(array, config.settle_clocks, clock_hz, adc.converters, adc.channels, adc.volts)
     given = adc.channels, adc.sclk_khz, None, config.array.health, config.array.tare
-    least = budget(
-        *config.shape, clock_hz, config.part, None, adc.settle_us, *given, read_during=config.scan.read_during
-    )
+    more = {"adc_lanes": adc.lanes, "read_during": config.scan.read_during}
+    least = budget(*config.shape, clock_hz, config.part, None, adc.settle_us, *given, **more)
     return found | {"config": config.name, "converters_needed": least["converters_needed"]}
 
 

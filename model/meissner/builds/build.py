@@ -283,11 +283,6 @@ class Config:
                 f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
                 f"so at least {least:.3g} Hz"
             )
-        if self.health and self.shape[1] % self._array_adc.converters:
-            raise ValueError(
-                f"[sensor]: columns = {self.shape[1]} must be a multiple of the "
-                f"{self._array_adc.converters} converters for health"
-            )
         if self.array and self.settle_clocks > 65535:
             most = 65535 * 1000 / self.clk_khz
             raise ValueError(

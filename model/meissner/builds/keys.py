@@ -75,7 +75,7 @@ class Adc(Table, frozen=True):
 class ArrayAdc(Adc, frozen=True):
     """[adc] of an array: converters side by side, inputs used of each, wait after a switch."""
 
-    converters: Literal[1, 2, 4, 8] = 1
+    converters: Eight = 1
     channels: Eight = 8
     settle_us: Annotated[float, Meta(ge=0, le=1000)] = 1.0
 

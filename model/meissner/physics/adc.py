@@ -107,12 +107,15 @@ MCP3208_NOISE_V = 0.198e-3
 # AD7606, +-5 V, no oversampling: typical SNR 89 dB of a full-scale sine is 0.1255 mV rms; 0.044 mV of these
 # are quantisation and 0.117 mV the part's own noise.
 AD7606_NOISE_V = 0.117e-3
+# AD7606C-16, +-5 V, wide bandwidth: an SNR of 86 dB is 0.1772 mV rms, less 0.044 mV of quantisation.
+AD7606C_NOISE_V = 0.172e-3
 PARTS = {
     "MCP3208": Adc(bits=12, low_v=0.0, high_v=5.0, noise_v=MCP3208_NOISE_V),
     "AD7606": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=AD7606_NOISE_V),
+    "AD7606C-16": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=AD7606C_NOISE_V),
 }
 # {part: {volts at full scale: corner}}: parts with an analogue low pass.
-CORNERS_HZ = {"AD7606": {5.0: 15e3, 10.0: 23e3}}
+CORNERS_HZ = {"AD7606": {5.0: 15e3, 10.0: 23e3}, "AD7606C-16": {5.0: 220e3}}
 SETTLED = 0.01  # share of the old row that a scan may read without a warning
 
 
@@ -160,9 +163,14 @@ ORIGINS = {
         "0.8 of a code; cop_slip: without difference_gain, or with five times as much, false alarms and "
         "wrong ways",
     ),
+    "AD7606C_NOISE_V": (
+        "chosen",
+        "an SNR of 86 dB of a full-scale sine at ±5 V; the data sheet's first page: 92 dB at ±20 V",
+        "1.1 codes",
+    ),
     "CORNERS_HZ": (
         "datasheet",
-        "AD7606: antialiasing filter, Butterworth of second order, -3 dB at 15 kHz (±5 V), 23 kHz (±10 V)",
+        "Butterworth of second order, -3 dB: AD7606 15 kHz (±5 V), 23 kHz (±10 V); AD7606C-16, wide: 220 kHz",
         "how much of the old row an array reads (docs/scan.md)",
     ),
     "SETTLED": (
@@ -170,5 +178,5 @@ ORIGINS = {
         "as much of a neighbour as calibration leaves of a cell",
         "when a scan is warned of",
     ),
-    "PARTS": ("datasheet", "bits and ranges of MCP3208 and AD7606; the noise is computed", "codes a volt"),
+    "PARTS": ("datasheet", "bits and ranges of the parts; the noise is computed", "codes a volt"),
 }

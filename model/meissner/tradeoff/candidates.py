@@ -8,6 +8,7 @@ import copy
 import math
 import tomllib
 
+from meissner.budget import array
 from meissner.builds import boards, config
 from meissner.builds.build import line_bytes
 from meissner.builds.keys import PARTS
@@ -19,8 +20,13 @@ from meissner.tradeoff.sweep import figure_of
 from meissner.tradeoff.table import named
 from meissner.twins.link import packet
 
-# Converters by their bits over 0 to 5 V; the AD7606 has 16 bits over ±5 V.
-OF_BITS = {8: ("MAX11123",), 10: ("MAX11124",), 12: ("MCP3208", "MAX11125"), 15: ("AD7606",)}
+# Converters by their bits over 0 to 5 V; the AD7606 and AD7606C-16 have 16 bits over ±5 V.
+OF_BITS = {
+    8: ("MAX11123",),
+    10: ("MAX11124",),
+    12: ("MCP3208", "MAX11125", "MAX11131"),
+    15: ("AD7606", "AD7606C-16"),
+}
 MARGIN = 0.95  # share of the fastest frame rate
 
 
@@ -146,7 +152,7 @@ def tables(needs, row):
     else:
         found["sensor"] |= {"rows": point["side"], "columns": point["columns"]}
         adc |= {"converters": point["converters"], "channels": point["inputs"]}
-        adc["lanes"] = 2 if row["part"] == "AD7606" and point["inputs"] > 4 else 1
+        adc["lanes"] = array.lanes_of(PARTS[row["part"]], point["inputs"])
         line = frames_on_line(found["link"]["baud"], point["side"], point["columns"])
         adc["rate_hz"] = rounded_rate(min(MARGIN * row["error"]["frames_s"], line))
     found["adc"] = adc

@@ -3,6 +3,7 @@ which tb/sensor/test_array_pins.py measures at the pins of the RTL."""
 
 from meissner.budget import array
 from meissner.tradeoff.axis import Axis, Figure
+from meissner.twins.shared import LANES
 
 
 def found(point):
@@ -44,12 +45,12 @@ AXES = (
     Axis(
         name="lanes",
         title="Converters side by side: taxels a millisecond",
-        about="1, 2, 4 or 8 converters whose inputs the columns fill; settle 1 µs, tare, calibration",
+        about="1 to 8 converters whose inputs the columns fill; settle 1 µs, tare, calibration",
         values={
             "adc": ("mcp3208", "ad7606", "max11125"),
             "clock_mhz": (25, 100),
             "side": (16, 64, 128),
-            "converters": (1, 2, 4, 8),
+            "converters": tuple(LANES),
             "inputs": (1, 2, 4, 8),
         },
         quick={"side": (64,), "clock_mhz": (100,)},
