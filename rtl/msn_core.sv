@@ -21,7 +21,7 @@ module msn_core #(
   parameter  int unsigned ClkKhz           = 25_000,
   parameter  int unsigned SclkKhz          = msn_adc_pkg::sclk_default_khz(Adc),
   parameter  int unsigned AdcPeriod        = 0,                 // clocks, built in: msn_acquire
-  parameter  bit          ReadDuring       = 1'b0,              // a frame is read while the next one is converted
+  parameter  bit          ReadDuring       = 1'b0,              // read frames while the next is converted
   parameter  bit          Array            = 1'b0,
   parameter  int unsigned Rows             = 1,
   parameter  int unsigned Columns          = 1,
@@ -192,7 +192,8 @@ module msn_core #(
     msn_sensor_array #(
       .Adc(Adc), .Converters(Converters), .AdcLanes(AdcLanes), .AdcChannels(AdcChannels), .ClkKhz(ClkKhz),
       .SclkKhz(SclkKhz), .ReadDuring(ReadDuring), .Rows(Rows), .Columns(Columns), .Demod(Demod),
-      .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Tap(Slip || Image), .GainShift(GainShift), .TareLog2(TareLog2),
+      .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Tap(Slip || Image), .GainShift(GainShift),
+      .TareLog2(TareLog2),
       .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Form(Form),
       .SamplesPerPeriod(SamplesPerPeriod), .SamplePeriod(SamplePeriod), .Periods(Periods), .Skip(Skip),
       .Shift(Shift)

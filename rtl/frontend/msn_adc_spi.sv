@@ -76,9 +76,11 @@ module msn_adc_spi #(
   localparam bit          HasBusy      = msn_adc_pkg::has_busy(Part);
   localparam bit          CsPerChannel = msn_adc_pkg::cs_per_channel(Part);
   localparam int unsigned WatchBits    = msn_adc_pkg::watch_bits(Part, ClkKhz, ReadDuring);
-  localparam int unsigned WatchEnd     = ReadDuring ? msn_adc_pkg::busy_clocks(Part, ClkKhz) + 3 : (1 << WatchBits) - 1;
+  localparam int unsigned BusyClocks   = msn_adc_pkg::busy_clocks(Part, ClkKhz);
+  localparam int unsigned WatchEnd     = ReadDuring ? BusyClocks + 3 : (1 << WatchBits) - 1;
   localparam int unsigned LowBits      = ReadDuring ? 2 : 1;  // of watch_q: CONVST is high while these are 0
-  localparam int unsigned Guard        = ReadDuring ? msn_adc_pkg::guard_clocks(Part, ClkKhz, Half, Words) : 1;
+  localparam int unsigned During       = msn_adc_pkg::guard_clocks(Part, ClkKhz, Half, Words);
+  localparam int unsigned Guard        = ReadDuring ? During : 1;
   localparam int unsigned GuardBits    = msn_pkg::index_width(Guard);
   localparam bit          HasReset     = msn_adc_pkg::has_reset(Part);
   localparam bit          NeedsStart   = HasReset || SetupWords > 0;
@@ -136,14 +138,15 @@ module msn_adc_spi #(
   logic [GuardBits-1:0]  guard_q;  // clocks in which no conversion may start, as BUSY could fall in the read
   logic                  await_q;  // wait_i counts: a conversion may still run
   logic                  begun_q;  // ReadDuring: a frame is converted
-  logic                  open_q;   // a frame is under way (ReadDuring: read), and has not been stored completely
+  logic                  open_q;   // a frame is under way (ReadDuring: read), not stored completely
   logic                  drop_q;   // this frame is dropped
   logic                  over_q;   // a sample was sent with out_user_o
   logic                  ready_q;  // the part has been reset or set up
   logic                  bad_q;    // an answer of this frame had another channel's number
   logic                  busy, busy_q, fallen;
   logic                  enable, tick, frame, waits, give_up, read, running, done, word, word_last, frame_end;
-  logic                  pending, bad, setup, reads, rests, early, astray, over, stored, failed, missed, overrun;
+  logic                  pending, bad, setup, reads, rests, early, astray, over, stored, failed, missed;
+  logic                  overrun, cut;
   logic [StartBits-1:0]  start_q;
   logic [Lanes*KeptBits-1:0] kept;
   logic [Lanes*DataBits-1:0] data;
@@ -171,6 +174,7 @@ module msn_adc_spi #(
   assign over   = frame_end || setup || (ReadDuring ? !running : give_up || !(running || waits));
   assign failed = begun_q && (give_up || !waits);
   assign missed = over && open_q;
+  assign cut    = (missed && (ReadDuring || !give_up) && (drop_q || !bad_q)) || (failed && !give_up);
 
   // Wait for BUSY to rise first: if it is stuck high, or still high from the frame before, its fall means nothing.
   always_comb begin
@@ -207,7 +211,7 @@ module msn_adc_spi #(
     convert_o <= frame;
     read_o    <= resumed;
     lost_o    <= failed || missed || overrun;
-    await_q   <= frame || (await_q && watch_q != WatchBits'(msn_adc_pkg::busy_clocks(Part, ClkKhz) + 1));
+    await_q   <= frame || (await_q && watch_q != WatchBits'(BusyClocks + 1));
     begun_q   <= ReadDuring && (frame || (begun_q && !failed && !resumed));
     open_q    <= (ReadDuring ? resumed : frame) || (open_q && !over && !stored);
     if (resumed)            guard_q <= GuardBits'(Guard - 1);
@@ -227,7 +231,7 @@ module msn_adc_spi #(
 
     adc_convst_o <= converting;
 
-    dropped_o   <= dropped_o + 32'((missed && (ReadDuring || !give_up) && (drop_q || !bad_q)) || (failed && !give_up));
+    dropped_o   <= dropped_o + 32'(cut);
     overrun_o   <= overrun_o + 32'(overrun);
     timeout_o   <= timeout_o + 32'((ReadDuring ? failed : missed) && give_up);
     mistagged_o <= mistagged_o + 32'(missed && bad_q && !drop_q);
@@ -308,7 +312,8 @@ module msn_adc_spi #(
     .SampleBits(SampleBits), .Signed(Signed), .Whole(Tagged)
   ) u_store (
     .clk_i, .rst_i,
-    .begin_i    (ReadDuring ? resumed : frame),  // not convert_o: an upset of it would begin a frame within a frame
+    // Not convert_o or read_o: an upset of it would begin a frame within a frame.
+    .begin_i    (ReadDuring ? resumed : frame),
     .in_valid_i(store_valid && !drop_q), .in_word_i(store_word), .in_data_i(data), .in_bad_i(bad_q || bad),
     .pending_o(pending),
     .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o

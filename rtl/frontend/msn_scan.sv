@@ -18,7 +18,7 @@ module msn_scan #(
   parameter  int unsigned Channels   = 8,
   parameter  int unsigned Hold       = 2,    // see msn_scan_plan
   parameter  int unsigned Cycle      = 268,
-  parameter  int unsigned Overlap    = 0,    // clocks after a trigger in which the conversion before still sends
+  parameter  int unsigned Overlap    = 0,    // clocks from a trigger in which the one before still sends
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned SettleBits = 16,
   parameter  int unsigned PeriodBits = 32,

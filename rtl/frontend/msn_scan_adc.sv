@@ -55,7 +55,8 @@ module msn_scan_adc #(
 
   localparam int unsigned Half  = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
   localparam int unsigned Hold  = msn_adc_pkg::hold_clocks(Part, Channels, ClkKhz, Half);
-  localparam int unsigned Cycle = msn_adc_pkg::cycle_clocks(Part, Channels, AdcLanes, ClkKhz, Half, ReadDuring);
+  localparam int unsigned Cycle = msn_adc_pkg::cycle_clocks(Part, Channels, AdcLanes, ClkKhz, Half,
+                                                            ReadDuring);
   localparam int unsigned Overlap = ReadDuring ? msn_adc_pkg::overlap_clocks(Part, ClkKhz, Half) : 0;
 
   logic                        trigger;

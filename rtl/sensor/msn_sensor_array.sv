@@ -19,7 +19,7 @@ module msn_sensor_array #(
   parameter  int unsigned AdcChannels      = 8,                 // of each converter; Demod: one
   parameter  int unsigned ClkKhz           = 25_000,
   parameter  int unsigned SclkKhz          = msn_adc_pkg::sclk_default_khz(Adc),
-  parameter  bit          ReadDuring       = 1'b0,              // a conversion is read while the next one runs
+  parameter  bit          ReadDuring       = 1'b0,              // read a conversion while the next one runs
   parameter  int unsigned Rows             = 1,
   parameter  int unsigned Columns          = 1,
   parameter  bit          Demod            = 1'b0,

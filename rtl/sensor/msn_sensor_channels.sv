@@ -98,8 +98,8 @@ module msn_sensor_channels #(
     end else begin : gen_time_stamp
       msn_time_stamp #(.ReadDuring(ReadDuring)) u_time_stamp (
         .clk_i, .rst_i,
-        .now_i, .convert_i(convert_o), .read_i(read), .valid_i(adc_valid), .ready_i(adc_ready), .last_i(sample_last_o),
-        .time_o
+        .now_i, .convert_i(convert_o), .read_i(read), .valid_i(adc_valid), .ready_i(adc_ready),
+        .last_i(sample_last_o), .time_o
       );
     end
   end else begin : gen_no_gate

@@ -5,10 +5,10 @@ The cases: a capacitive array on its carrier behind a MAX11125, demodulated; 4×
 behind an AD7606; 4×10 behind three MCP3208 and 5×17 behind five AD7606 of three inputs, whose second group
 of columns has one beat; 3×16 behind eight MCP3208 or two AD7606C-16 on eight lines each; 2×14 behind two
 MAX11131; 64×64 behind eight AD7606. Two arrays are also read during the next conversion. Pins of several
-converters move together (one model, so all give the same codes). Gains differ from taxel to taxel, a tare of the first frames finds the zeros, then a press moves. Every result
-equals the twin's for the very codes at the pins, bit for bit; every latency is the twin's, which is what
-`meissner budget` prints, and is below 1 ms where the array's converters allow it. On the smallest array also
-the forces at the tap, faults and counters.
+converters move together (one model, so all give the same codes). Gains differ from taxel to taxel, a tare of
+the first frames finds the zeros, then a press moves. Every result equals the twin's for the very codes at the
+pins, bit for bit; every latency is the twin's, which is what `meissner budget` prints, and is below 1 ms
+where the array's converters allow it. On the smallest array also the forces at the tap, faults and counters.
 """
 
 from dataclasses import replace
