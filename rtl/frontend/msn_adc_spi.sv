@@ -292,7 +292,7 @@ module msn_adc_spi #(
     assign unused_kept = ^kept;
   end else begin : gen_plain
     assign store_word  = IdBits'(word_q);
-    assign store_valid = word && (SetupWords == 0 || state_q == Read);
+    assign store_valid = word && (SetupWords == 0 || reads);
     assign bad         = 1'b0;
     assign data        = kept;
   end
