@@ -96,7 +96,7 @@ module msn_adc_spi #(
   if (Channels < 1 || Channels > 8) begin : gen_check_channels
     $fatal(1, "msn_adc_spi: Channels = %0d must lie in 1 .. 8", Channels);
   end
-  if (!msn_pkg::are_lanes(Lanes) || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
+  if (Lanes < 1 || !msn_pkg::is_power(Lanes) || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
     $fatal(1, "msn_adc_spi: Lanes = %0d must be a power of two, at most %0d", Lanes,
            msn_adc_pkg::max_lanes(Part));
   end

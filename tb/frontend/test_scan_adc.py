@@ -14,7 +14,7 @@ from cocotb.triggers import ReadOnly, RisingEdge, ValueChange
 
 import bench
 from frontend.test_scan import apply, counts
-from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11125, MAX11131, MCP3208, PARTS
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11131, MCP3208, PARTS
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_plan import Settings
 from parts import ad7606, ad7606c, max1112x, mcp3208
@@ -353,7 +353,7 @@ BUILDS = [
     {"Rows": 8, "Columns": 8, "Part": MAX11123.number, "Channels": 8, "ClkKhz": 25_000},
     {"Rows": 4, "Columns": 15, "Part": MAX11131.number, "Channels": 4, "Lanes": 2, "ClkKhz": 41_000},
     {"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "ClkKhz": 20_000},
-    {"Rows": 2, "Columns": 28, "Part": MAX11125.number, "Channels": 3, "Lanes": 5, "ClkKhz": 50_000},
+    {"Rows": 2, "Columns": 28, "Part": MAX11123.number, "Channels": 3, "Lanes": 5, "ClkKhz": 50_000},
     {
         **{"Rows": 3, "Columns": 14, "Part": AD7606C.number, "Channels": 7, "Lanes": 2, "AdcLanes": 4},
         **{"ClkKhz": 8_000, "SclkKhz": 60_000},

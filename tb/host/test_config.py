@@ -40,7 +40,10 @@ ARRAY = {
     "about": "ends",
     "clock": {"mhz": 25.0},
     "sensor": {"kind": "array", "rows": 5, "columns": 6},
-    "adc": {"part": "AD7606", "volts": 10.0, "rate_hz": 100.0, "converters": 2, "channels": 3},
+    "adc": {
+        **{"part": "AD7606", "volts": 10.0, "rate_hz": 100.0, "converters": 2, "channels": 3},
+        **{"settle_us": 1.0, "settle_share": 1.0},
+    },
     "array": {"newtons_per_count": 0.0037, "pitch_mm": 3.3},
 }
 DURING = ARRAY | {"adc": ARRAY["adc"] | {"read": "during"}}

@@ -128,6 +128,7 @@ TABLE = {
     "divide-34-turn1": ("msn_divide", {"BitsPerClock": 1}, 16, "ecp5"),
     "adc_spi-ad7606": ("msn_adc_spi", AD7606, None, "ecp5"),
     "adc_spi-ad7606-uncounted": ("msn_adc_spi", AD7606, None, "ecp5", UNCOUNTED),
+    "adc_spi-ad7606c-16": ("msn_adc_spi", AD7606 | {"Part": 6, "Lanes": 8}, None, "ecp5"),
     "adc_spi-max11123": (
         "msn_adc_spi",
         {"Part": 3, "ClkKhz": 25000, "SclkKhz": 16000, "Trigger": 1, "SampleBits": 13},

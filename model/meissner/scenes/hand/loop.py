@@ -291,7 +291,7 @@ def hold(scene, condition, seeds, parts):
     given = config, settings, starts, scene.adc
     reflexes = Reflexes(parts, *given) if isinstance(parts, tuple) else parts(*given, block)
     goal = np.array([one.closing_mm for one in grasps])
-    noise, adc = _Noise(scene, seeds, number), scene.adc
+    noise, adc, front = _Noise(scene, seeds, number), scene.adc, scene.front()
     quiet = quiet_v(scene, condition, seeds)
     host = Host(scene, condition, reflexes, rubber.rest_volts(GRIP_N_MM * goal), quiet)
     cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
@@ -306,7 +306,7 @@ def hold(scene, condition, seeds, parts):
     for cycle in range(cycles):
         time_s = cycle * condition.cycle_ms / 1e3
         found = hand.next(goal)
-        volts = found.volts + noise.next(block)
+        volts = front.next(found.volts) + noise.next(block)
         codes, _ = adc.convert(volts.reshape(2 * runs, block))
         if time_s >= dead:
             codes[:] = 0
