@@ -184,6 +184,12 @@ def _budget(commands):
         "--sclk-khz", type=int, metavar="KHZ", help="maximum serial clock (default: the part's usual one)"
     )
     array.add_argument(
+        "--read",
+        choices=("after", "during"),
+        default="after",
+        help="read a conversion after it, or during the next one (after)",
+    )
+    array.add_argument(
         "--settle-us",
         type=float,
         metavar="US",
