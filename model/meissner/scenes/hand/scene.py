@@ -242,6 +242,11 @@ def build(name, table):
     return scene
 
 
+def batches(condition, seeds):
+    """The ranges of ``seeds`` that a process advances together."""
+    return [seeds[at : at + AT_ONCE] for at in range(0, len(seeds), AT_ONCE)]
+
+
 def modelled(scene):
     off = {"changing mass": not scene.world["poured_kg"], "tug": not scene.world["tugs"]}
     return tuple(part for part in COMPONENTS if not off.get(part))
