@@ -8,14 +8,13 @@ import numpy as np
 from meissner import calibration, engines, files, pool
 from meissner.terminal import plain
 
-
 PIECE = 1 << 19  # samples of frames or electrodes that a thread takes at a time
 
 
 def _timed(arguments, run, x, piece, first, shared=()):
     """(``run`` of ``x``, written to the output; seconds taken), after it is built and warm by ``first``.
 
-    ``x`` is taken in pieces of ``piece`` along its first axis, whose results do not depend on each other; only
+    ``x`` is taken in pieces of ``piece`` along its first axis, whose results do not depend on each other;
     those named in ``shared`` are the same for all. Threads suffice for several cores, because an engine's
     work is outside Python; the pieces, and so the results, do not depend on their number.
     """

@@ -1,5 +1,5 @@
-"""``--jobs``: any number of processes gives the same results; a fault and Ctrl-C in one of them end the command
-with one sentence and leave no process; and ``--runs``.
+"""``--jobs``: any number of processes gives the same results; a fault and Ctrl-C end the command with one
+sentence and leave no process; and ``--runs``.
 """
 
 import json
@@ -97,7 +97,7 @@ def test_results_come_in_the_order_of_the_tasks():
 
 
 def test_a_fault_in_a_process_is_the_run_s():
-    with pytest.raises(ValueError, match="invalid literal .*'x'"):
+    with pytest.raises(ValueError, match=r"invalid literal .*'x'"):
         Spread(jobs=2).map(int, ["3", "x", "4"])
     with pytest.raises(ValueError, match="a process ended before its work was done"):
         Spread(jobs=2).map(os._exit, [3, 3, 3])

@@ -52,8 +52,8 @@ def measured(tasks, executor):
 def run(axes, out, quick=False, executor=None, workers=1, progress=None, say=print):
     """Measure what is not in ``out`` yet and write the results there; returns {name: rows}.
 
-    ``executor``: a context of worker.py or pool.py for all axes except timed ones; ``workers``: number of processes
-    without it; ``progress``: takes a number of points and returns a context whose value is called after each
+    ``executor``: a context of worker.py for all axes except timed ones; ``workers``: processes without it;
+    ``progress``: takes a number of points and returns a context whose value is called after each
     point. ValueError at the end if points failed.
     """
     out = Path(out)

@@ -13,6 +13,7 @@ __all__ = ["TABLES", "WAVES", "answer", "run", "tell"]
 
 TABLES = {"Results": "conditions"}
 WAVES = False
+ALONE = Spread()
 # What each picture shows, by the function that draws it.
 SHOWN = {
     "draw_crosstalk": "output over the amplifier's gain, eq. 18 and demodulated; error over the carrier",
@@ -23,7 +24,7 @@ SHOWN = {
 }
 
 
-def run(scene, engine, seed, waves=None, spread=Spread()):
+def run(scene, engine, seed, waves=None, spread=ALONE):
     """The Result of the scene, which runs once."""
     recording, core = scenes.simulate(scene, seed), TimedEngine(engine, scene.features)
     codes = {}
