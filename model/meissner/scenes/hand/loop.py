@@ -7,7 +7,7 @@ threshold: msn_grip counts the stream of decisions. A finger is unhealthy after 
 0 V or below: 5 V is the rubber at rest. On engine rtl a Verilated core does all of it, beside the twins.
 """
 
-from copy import copy
+from copy import copy, deepcopy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -162,12 +162,13 @@ class Reflexes:
             rows.append(row + reflex.rest(cycles - len(row)))
         return np.array(rows).T
 
-    def next(self, codes, expected):
+    def next(self, codes, expected, breaks=True):
         """The first cycles of ``codes`` [channels, samples]: until an increment is not that of ``expected``
-        [cycles, runs], or a slip is gross, since the samples after it are then not what the hand gives.
+        [cycles, runs], or a slip is gross, since the samples after it are then not what the hand gives; or
+        all, if it ``breaks`` not.
 
-        (detail [channels, details], number of windows newly over [cycles, channels], increment, command and
-        fault [3, cycles, runs], gross [runs]).
+        (detail [channels, details], number of windows newly over [cycles, channels], increment, command,
+        fault and faulty fingers, one bit each [4, cycles, runs], gross [runs]).
         """
         cycles, channels = len(expected), len(codes)
         detail, p2p, self.over = self.slip.next(codes)
@@ -186,24 +187,20 @@ class Reflexes:
                 cycle += quiet
                 continue
             here, samples = (slice(cycle * n, (cycle + 1) * n) for n in (step, block))
-            parts, ends, fresh = self.windows.next(self.over[:, here])
+            parts, ends, counts[cycle] = self.windows.next(self.over[:, here])
             parts = parts.reshape(len(self.reflexes), 2, -1).tolist()
             healthy = self.health.next(codes[:, samples]).reshape(-1, 2).tolist()
             words = [answer(*one) for one in zip(self.reflexes, parts, [ends] * len(parts), healthy)]
-            words, counts[cycle] = self.checked(codes[:, samples], here, words, fresh)
-            answers.append([(word.increment, word.command, word.fault) for word in words])
+            answers.append([(word.increment, word.command, word.fault, bits(word.faulty)) for word in words])
             cycle += 1
-            if [word.increment for word in words] != expected[cycle - 1].tolist() or gross[:, here].any():
+            differs = [word.increment for word in words] != expected[cycle - 1].tolist()
+            if breaks and (differs or gross[:, here].any()):
                 break
         if cycle < cycles:
             detail = detail[:, : cycle * step]
             self.slip.keep(detail)
         gross = gross[:, : cycle * step].reshape(len(self.reflexes), -1).any(axis=1)
         return detail, counts[:cycle], np.array(answers).transpose(2, 0, 1), gross
-
-    def checked(self, codes, details, words, fresh):
-        """The Commands and numbers of windows of a cycle."""
-        return words, fresh
 
 
 class Cores(Reflexes):
@@ -219,11 +216,10 @@ class Cores(Reflexes):
         from meissner.twins.actuate.actuate import ActuateConfig
 
         super().__init__((FixedSlip, Grip), config, settings, starts, adc)
-        self.skips = False
         actuate = ActuateConfig(settings, *rails(adc, Sensed(), "pulled_up"))
         self.cores = [self.core(2, config, actuate, block, start) for start in starts]
         self.own = Windows(2 * len(starts), config.window >> config.level)
-        self.mismatches = np.zeros(len(starts), dtype=np.int64)
+        self.block, self.mismatches = block, np.zeros(len(starts), dtype=np.int64)
 
     def compare_with(self, threshold):
         """As Reflexes.compare_with."""
@@ -243,15 +239,37 @@ class Cores(Reflexes):
         for core, floor in zip(self.cores, floors):
             core["grip.minimum"] = floor
 
-    def checked(self, codes, details, words, fresh):
-        """As Reflexes.checked, but those of the cores."""
-        found = [core.next(pair) for core, pair in zip(self.cores, codes.reshape(len(self.cores), 2, -1))]
-        wanted = self.over[:, details].reshape(len(self.cores), 2, -1)
-        for run, (over, ends, word) in enumerate(found):
-            same = np.array_equal(over, wanted[run]) and np.array_equal(ends, self.slip.ends[details])
-            self.mismatches[run] += word != words[run] or not same
-        _, _, fresh = self.own.next(np.concatenate([over for over, _, _ in found]))
-        return [word for _, _, word in found], fresh
+    def expected(self, cycles, block):
+        """As Reflexes.expected; several cores go cycle by cycle, since none can go back."""
+        return super().expected(cycles if len(self.cores) == 1 else 1, block)
+
+    def next(self, codes, expected, breaks=True):
+        """As Reflexes.next, but the answers of the cores, which end with the same cycle."""
+        _, p2p, _ = deepcopy(self.slip).next(codes)  # which then goes on from here
+        gross = (p2p > self.gross_threshold).any(axis=0).reshape(len(expected), -1).any(axis=1)
+        if gross.any():
+            expected = expected[: gross.argmax() + 1]
+            codes = codes[:, : len(expected) * self.block]
+        pairs = codes.reshape(len(self.cores), 2, -1)
+        found = [core.next(*one) for core, *one in zip(self.cores, pairs, expected.T)]
+        cycles = found[0][2].shape[1]
+        codes, expected = codes[:, : cycles * self.block], expected[:cycles]
+        detail, counts, wanted, gross = super().next(codes, expected, breaks=False)
+        over, ends = np.concatenate([over for over, _, _ in found]), [ends for _, ends, _ in found]
+        answers = np.stack([answers for _, _, answers in found], axis=2)
+        shape = len(self.cores), 2, cycles, -1
+        same = (answers[0] == answers[1]) & (answers[1:] == wanted).all(axis=0)
+        same &= (over.reshape(shape) == self.over.reshape(shape)).all(axis=(1, 3)).T
+        same &= (np.array(ends) == self.slip.ends).reshape(len(ends), cycles, -1).all(axis=2).T
+        self.mismatches += (~same).sum(axis=0)
+        step = over.shape[1] // cycles
+        for cycle in range(cycles):
+            here = over[:, cycle * step : (cycle + 1) * step]
+            if here.any() or self.own.counted.any():
+                _, _, counts[cycle] = self.own.next(here)
+            else:
+                self.own.skip(step)
+        return detail, counts, answers[1:], gross
 
 
 class Netlists(Cores):
@@ -262,6 +280,11 @@ class Netlists(Cores):
         from meissner.engines import rtl_hand, verilated
 
         return verilated.of_gates(rtl_hand.Core)(*arguments)
+
+
+def bits(flags):
+    """Flags as bits, the first as bit 0."""
+    return sum(bool(flag) << place for place, flag in enumerate(flags))
 
 
 def answer(reflex, parts, ends, healthy):
@@ -368,7 +391,7 @@ def hold(scene, condition, seeds, parts, most=AHEAD):
     tight, false, faults = np.zeros((3, runs), dtype=np.int64)
     ratio, held, tug_ratio, tugged = np.zeros(runs), 0, np.zeros(runs), 0
     lowest, highest = (np.full((3, runs), np.inf), np.full((3, runs), -np.inf))  # of displacement, sag, rings
-    rows, cycle, tried = [], 0, 1
+    rows, cycle, tried, usual = [], 0, 1, 1.0
     while cycle < cycles:
         host.write(cycle)
         tried = min(tried, most, cycles - cycle, host.free(cycle))
@@ -380,7 +403,7 @@ def hold(scene, condition, seeds, parts, most=AHEAD):
         times_s = (cycle + np.arange(len(expected))) * condition.cycle_ms / 1e3
         codes, _ = adc.convert((found.volts[:, :, :samples] + noise.ahead(samples)).reshape(2 * runs, -1))
         codes[:, np.repeat(times_s >= dead, block)] = 0
-        detail, counts, (increments, commands, fault), gross = reflexes.next(codes, expected)
+        detail, counts, (increments, commands, fault, _), gross = reflexes.next(codes, expected)
         done = len(counts)
         hand.keep(done)
         noise.keep(done * block)
@@ -432,7 +455,8 @@ def hold(scene, condition, seeds, parts, most=AHEAD):
             ]
         )
         cycle += done
-        tried = 2 * done
+        usual = 0.9 * usual + 0.1 * done
+        tried = round(1.5 * usual) + 1
     table = np.concatenate(rows, axis=1)
     table[10] *= adc.lsb_v / 2 ** (1 + config.level / 2)
     trace = Trace(*table[:11], table[11:13].T, table[13:15].T)

@@ -216,8 +216,8 @@ class Grip:
     def take(self, increments, ended):
         """Take cycles as ``rest`` gives them, with healthy fingers; ``ended``: a window of each ended.
 
-        (increment, command, fault) of each, as ``decision`` and ``cycle`` give them for an armed reflex whose
-        windows were not over.
+        (increment, command, fault, 0 for no faulty finger) of each, as ``decision`` and ``cycle`` give them
+        for an armed reflex whose windows were not over.
         """
         found, config = [], self.config
         for increment in increments:
@@ -225,7 +225,7 @@ class Grip:
             self.fault = LIMIT * (self.command >= config.maximum) | SETTINGS * (
                 config.minimum > config.maximum
             )
-            found.append((increment, self.command, self.fault))
+            found.append((increment, self.command, self.fault, 0))
         self._quiet = [0] * self.fingers
         if ended:
             self._streak = [0] * self.fingers
