@@ -26,7 +26,7 @@ from meissner.tradeoff.axes.engine import CONFIG
 from meissner.twins.slip.config import SAMPLE_BITS
 
 SAMPLES, REPEATS = 1_000_000, 5
-CLOCKS = 20_000_000
+CLOCKS = 4_000_000
 CONFIGS = ("fingertip", "slip1")
 
 
@@ -92,9 +92,8 @@ def main():
             print(f"core:{name}: {rate / 1e6:.2f} million clocks/s, {share:.3f} of real time")
     else:
         one, several = jobs(given.scene, pool.number(given.jobs))
-        print(
-            f"run {given.scene}: {one:.1f} s on one process, {several:.1f} s on {given.jobs}; {one / several:.2f}"
-        )
+        print(f"run {given.scene}: {one:.1f} s on one process, {several:.1f} s on {given.jobs}, ", end="")
+        print(f"{one / several:.2f} times as fast")
 
 
 if __name__ == "__main__":
