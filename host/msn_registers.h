@@ -44,6 +44,7 @@
 #define MSN_CORE_WIDTHS_OFFSET_BITS 8
 #define MSN_CORE_BEATS 0x01cu
 #define MSN_CORE_HOLD 0x020u
+#define MSN_CORE_LANES 0x024u
 
 /* Converter of single channels or of four electrodes */
 #define MSN_ADC_ENABLE 0x100u

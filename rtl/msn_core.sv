@@ -125,8 +125,8 @@ module msn_core #(
   if (Cop4 ? Slip || Channels != 4 : CopSlip || Correct) begin : gen_check_cop4
     $fatal(1, "msn_core: Cop4 must go with Channels = 4, not Slip; CopSlip and Correct with Cop4 = 1");
   end
-  if (Array ? Columns % Lanes != 0 && (Health || SampleBits != 17) : Converters != 1) begin : gen_check_lanes
-    $fatal(1, "msn_core: Converters = %0d must divide Columns = %0d, 1 without Array", Converters, Columns);
+  if (Array ? !msn_pkg::are_lanes(Converters) : Converters != 1) begin : gen_check_lanes
+    $fatal(1, "msn_core: Converters = %0d must lie in 1 .. 8, and be 1 without Array", Converters);
   end
   if (SampleBits > 17 || (SampleBits != 17 && (Array || Cop4))) begin : gen_check_sample_bits
     $fatal(1, "msn_core: SampleBits = %0d must be at most 17, and 17 with Array or Cop4", SampleBits);
@@ -170,6 +170,7 @@ module msn_core #(
                                                                 {16'd1, 16'(Channels)};
     status.core.clk_khz = 32'(ClkKhz);
     status.core.beats   = Array ? 21'(Rows * RowBeats) : 21'd0;
+    status.core.lanes   = Array ? 4'(Lanes) : 4'd0;
     {status.slip, status.link, status.grip, status.shear_speed} = {of_slip, of_link, of_grip, of_shear};
   end
 

@@ -20,7 +20,9 @@ package msn_pkg;
     AdcAd7606   = 2,
     AdcMax11123 = 3,  // 8 bits; the family's other parts of 8 channels:
     AdcMax11124 = 4,  // 10 bits
-    AdcMax11125 = 5   // 12 bits
+    AdcMax11125 = 5,  // 12 bits
+    AdcAd7606c  = 6,  // AD7606C-16
+    AdcMax11131 = 7   // 12 bits, faster; inputs 0 to 7 of 16
   } adc_part_e;
 
   // How msn_am_demod finds the amplitude of a carrier.
@@ -86,7 +88,7 @@ package msn_pkg;
 
   // Checks of parameters: lanes of a beat, rows or columns of an array, a power of two or 0.
   function automatic logic are_lanes(int unsigned count);
-    are_lanes = count == 1 || count == 2 || count == 4 || count == 8;
+    are_lanes = count >= 1 && count <= 8;
   endfunction
 
   function automatic logic is_side(int unsigned count);
@@ -99,7 +101,7 @@ package msn_pkg;
 
   // Clocks that last at least `ns` nanoseconds, at least one.
   function automatic int unsigned clocks_of_ns(int unsigned ns, int unsigned clk_khz);
-    clocks_of_ns = (ns * clk_khz + 999_999) / 1_000_000;
+    clocks_of_ns = 32'((64'(ns) * 64'(clk_khz) + 64'd999_999) / 64'd1_000_000);
     if (clocks_of_ns < 1) clocks_of_ns = 1;
   endfunction
 

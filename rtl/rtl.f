@@ -1,6 +1,7 @@
 rtl/msn_pkg.sv
 rtl/link/msn_registers_pkg.sv
 rtl/common/msn_check.sv
+rtl/common/msn_ram.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_filter.sv
 rtl/common/msn_frame_gate.sv

@@ -44,4 +44,5 @@ from harness.streams import (
     stream,
     taken,
     turn_over,
+    unbroken,
 )

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import wraps
 from inspect import signature
+from threading import local
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -34,15 +35,31 @@ def check_finite(name: str, value: object) -> None:
         check_finite(f"the largest of {name}", np.abs(value).max(initial=0))
 
 
+class _Depth(local):
+    """Whether this thread is in a checked function."""
+
+    within = False
+
+
+_DEPTH = _Depth()
+
+
 def finite(function: Callable[P, R]) -> Callable[P, R]:
-    """``function`` whose arguments are checked first (``check_finite``), all but a seed."""
+    """``function`` whose arguments are checked first (``check_finite``), all but a seed. Calls from within
+    another checked function are not checked again."""
     names = list(signature(function).parameters)
 
     @wraps(function)
     def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+        if _DEPTH.within:
+            return function(*args, **kwargs)
         for name, value in (*zip(names, args), *kwargs.items()):
             if name != "seed":
                 check_finite(name, value)
-        return function(*args, **kwargs)
+        _DEPTH.within = True
+        try:
+            return function(*args, **kwargs)
+        finally:
+            _DEPTH.within = False
 
     return checked

@@ -176,12 +176,18 @@ def _budget(commands):
     parser.set_defaults(call="meissner.budget:command")
     array = parser.add_argument_group("a scanned array")
     array.add_argument("--clock", type=float, default=100e6, metavar="HZ", help="the core's clock (100e6)")
-    array.add_argument("--adc", default="ad7606", metavar="PART", help="converter (ad7606)")
+    array.add_argument("--adc", default="ad7606", metavar="PART", help="converter, or all (ad7606)")
     array.add_argument(
-        "--converters", type=int, metavar="N", help="1, 2, 4 or 8 (default: the fewest that reach 1 ms)"
+        "--converters", type=int, metavar="N", help="1 to 8 (default: the fewest that reach 1 ms)"
     )
     array.add_argument(
         "--channels", type=int, metavar="N", help="inputs used per converter (default: the fastest number)"
+    )
+    array.add_argument(
+        "--adc-lanes",
+        type=int,
+        metavar="N",
+        help="data lines of a converter (2 of an AD7606 or AD7606C, or 1)",
     )
     array.add_argument(
         "--sclk-khz", type=int, metavar="KHZ", help="maximum serial clock (default: the part's usual one)"
@@ -189,9 +195,24 @@ def _budget(commands):
     array.add_argument(
         "--settle-us",
         type=float,
-        default=1.0,
         metavar="US",
-        help="settling time from selecting the lines to convert start (1)",
+        help="from selecting the lines to convert start (default: what the converter's front needs)",
+    )
+    array.add_argument(
+        "--settle-share",
+        type=float,
+        metavar="S",
+        help="share of the old row that may remain, such as 0.005 (default: half a code)",
+    )
+    array.add_argument(
+        "--volts", type=float, metavar="V", help="full scale of the converters (default: the slowest range)"
+    )
+    array.add_argument(
+        "--source-ohm",
+        type=float,
+        default=100.0,
+        metavar="R",
+        help="resistance that drives a multiplexed converter's inputs (100)",
     )
     array.add_argument("--demod", action="store_true", help="read taxels as amplitudes of a carrier")
     array.add_argument(
@@ -265,6 +286,12 @@ def _choose(commands):
         "--columns", "--cols", type=int, metavar="N", help="electrodes, array: columns of taxels (7, 64)"
     )
     parser.add_argument("--r", type=float, metavar="OHM", help="electrodes: resistor between taxels (100)")
+    parser.add_argument(
+        "--settle-share",
+        type=float,
+        metavar="S",
+        help="array: share of the old row that may remain, such as 0.005 (default: half a code)",
+    )
     parser.add_argument("--lut", type=int, metavar="N", help="largest number of LUTs, on the board's chip")
     parser.add_argument(
         "--sweep", metavar="DIR", help="results of `meissner tradeoff` (default: those of the package)"

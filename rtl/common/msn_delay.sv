@@ -40,24 +40,25 @@ module msn_delay #(
     assign unused_rst = rst_i;
 
   end else begin : gen_ring
-    // The memory is slow and far from the logic, so there is a register at its input and two after its output.
-    // With the memory's own output register these are four of the Depth steps.
+    // The memory is far from the logic, so there is a register at its input and one after its output. With the two
+    // of the memory these are four of the Depth steps.
     localparam int unsigned Slots    = Depth - 3;
     localparam int unsigned SlotBits = msn_pkg::index_width(Slots);
 
     logic [SlotBits-1:0] slot, slot_next;
     assign slot_next = (slot == SlotBits'(Slots - 1)) ? '0 : slot + 1'b1;
 
-    (* no_rw_check *) logic [Width-1:0] ring [Slots];
-    logic [Width-1:0] newest, oldest, oldest_q;
+    logic [Width-1:0] newest, oldest;
+    msn_ram #(.Words(Slots), .Width(Width)) u_ring (
+      .clk_i,
+      .write_i(step_i), .write_address_i(slot), .write_data_i(newest),
+      .read_i(step_i), .read_address_i(slot_next), .out_data_o(oldest)
+    );
 
     always_ff @(posedge clk_i) begin
       if (step_i) begin
         newest     <= in_data_i;
-        ring[slot] <= newest;
-        oldest     <= ring[slot_next];
-        oldest_q   <= oldest;
-        out_data_o <= oldest_q;
+        out_data_o <= oldest;
         slot       <= slot_next;
       end
       if (rst_i) slot <= '0;

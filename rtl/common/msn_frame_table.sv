@@ -4,8 +4,8 @@
 //
 //   out_data_o after a restart = word Start, then the next word with each advance, wrapping around
 //
-// Beats arrive in order, so the address does not depend on a sample: the memory's slow output (5.8 ns on ECP5)
-// has its own register and costs no latency. The user advances when it takes a word and while out_valid_o is
+// Beats arrive in order, so the address does not depend on a sample: both registers of the memory (msn_ram) cost no
+// latency. The user advances when it takes a word and while out_valid_o is
 // low. A restart (for a clock or more) selects bank_i; the first word is valid two advances later. With two
 // banks the bank not read can be written at any time, each part of a word by itself. A word read while it is
 // written is undefined: out_spoilt_o marks it, for a msn_check by the user that no result depends on it.
@@ -83,25 +83,12 @@ module msn_frame_table #(
     if (advance_i) {out_spoilt_o, spoilt} <= {spoilt, write_i != '0 && address == write_address};
   end
 
-  // A slice has the width of one ECP5 block RAM at this depth, 36 bits up to 512 words: a memory of several blocks in
-  // depth would have a multiplexer between the slow output and its register (102 instead of 131 MHz at 8192 words).
-  localparam int unsigned Depth     = Words * Banks;
-  localparam int unsigned SliceBits = (Depth <= 512)  ? 36 : (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
-                                      (Depth <= 4096) ? 4  : (Depth <= 8192) ? 2  : 1;
-
   for (genvar p = 0; p < Parts; p++) begin : gen_part
-    for (genvar low = 0; low < PartBits; low += SliceBits) begin : gen_slice
-      localparam int unsigned Bits = (PartBits - low < SliceBits) ? PartBits - low : SliceBits;
-      (* no_rw_check *) logic [Bits-1:0] memory [Depth];
-      logic [Bits-1:0] read;
-      always_ff @(posedge clk_i) begin
-        if (write_i[p]) memory[write_address] <= write_data_i[p*PartBits+low+:Bits];
-        if (advance_i) begin
-          read                             <= memory[address];
-          out_data_o[p*PartBits+low+:Bits] <= read;
-        end
-      end
-    end
+    msn_ram #(.Words(Words * Banks), .Width(PartBits)) u_words (
+      .clk_i,
+      .write_i(write_i[p]), .write_address_i(write_address), .write_data_i(write_data_i[p*PartBits+:PartBits]),
+      .read_i(advance_i), .read_address_i(address), .out_data_o(out_data_o[p*PartBits+:PartBits])
+    );
   end
 
 endmodule

@@ -35,7 +35,7 @@ module msn_width_converter #(
     $fatal(1, "msn_width_converter: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_width_converter: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_width_converter: Lanes = %0d must lie in 1 .. 8", Lanes);
   end
 
   localparam int unsigned LaneBits = msn_pkg::index_width(Lanes);

@@ -2,7 +2,7 @@
 //
 // Centre of pressure and load of each frame of forces: msn_cop_accumulate, then msn_cop_divide.
 //
-// Latency after a frame's last beat: 3 + log2(Lanes) clocks and the divider's Steps, the same in every
+// Latency after a frame's last beat: 3 + log2(Lanes), rounded up, clocks and the divider's Steps, the same in every
 // frame: 11 at one lane, Q2.14 and two bits a clock. Frames of Steps + 1 beats or more never wait.
 // Model: model/meissner/twins/cop/cop.py
 // Error: at most 1/2 LSB of x, y (tb/extremes).

@@ -119,7 +119,9 @@ module msn_cop4 #(
     end
   end
 
-  // The ratios of x and y in parallel; a sample starts when all dividers that it enters here are ready.
+  // The ratios of x and y in parallel; a sample starts when all dividers that it enters here are ready. Its number
+  // travels with it: if an upset takes one of its ratios away, or adds one, those that are behind are dropped until the
+  // numbers agree again.
   localparam int unsigned PlaceBits = SumBits + 15;
   localparam int unsigned LoadBits  = SumBits + (Correct ? 24 : 23);
   localparam int unsigned FlagBits  = 6;
@@ -141,9 +143,10 @@ module msn_cop4 #(
   );
   assign imbalance = high || low;
 
-  logic                       start, ready_x, ready_y, valid_x, valid_y, place_valid, take_place;
+  logic                       start, ready_x, ready_y, valid_x, valid_y, place_valid, pop_x, pop_y, pop_load;
   logic                       load_start, load_ready, load_valid, take, free, over;
-  logic                       unused_side_y, unused_sign;
+  logic                       unused_sign;
+  logic        [1:0]          number_q, number_x, number_y, number_load;
   logic signed [15:0]         place_x, place_y, x, y;
   logic        [FlagBits-1:0] place_flags, load_flags;
   logic signed [SampleBits:0] place_n, load_n;
@@ -151,34 +154,45 @@ module msn_cop4 #(
   logic signed [LoadBits-1:0] load_den;
   logic        [37:0]         load_side, result_side;  // x, y, flags
   logic        [15:0]         fraction;
-  assign start       = total_valid && ratios_ready;
-  assign place_valid = valid_x && valid_y;
+  assign start = total_valid && ratios_ready;
+  always_ff @(posedge clk_i) begin
+    if (start) number_q <= number_q + 1'b1;
+    if (rst_i) number_q <= '0;
+  end
+
+  function automatic logic behind(logic [1:0] one, logic [1:0] other);
+    behind = 2'(other - one) == 2'd1 || 2'(other - one) == 2'd2;
+  endfunction
 
   msn_ratio #(
     .NumBits(SampleBits + 1), .DenBits(PlaceBits), .FractionBits(14), .BitsPerClock(BitsPerClock),
-    .SideBits(FlagBits + 2 * SumBits - 1)
+    .SideBits(2 + FlagBits + 2 * SumBits - 1)
   ) u_x (
     .clk_i, .rst_i,
     .cfg_scale_i(cfg_kx_i),
     .in_valid_i(start), .in_ready_o(ready_x), .in_num_i(num_x), .in_den_i(den_x),
-    .in_side_i({total_open, total_saturated, imbalance, num_load, d}),
-    .out_valid_o(valid_x), .out_ready_i(take_place), .out_quotient_o(place_x),
-    .out_side_o({place_flags, place_n, place_d})
+    .in_side_i({number_q, total_open, total_saturated, imbalance, num_load, d}),
+    .out_valid_o(valid_x), .out_ready_i(pop_x), .out_quotient_o(place_x),
+    .out_side_o({number_x, place_flags, place_n, place_d})
   );
 
   msn_ratio #(
-    .NumBits(SampleBits + 1), .DenBits(PlaceBits), .FractionBits(14), .BitsPerClock(BitsPerClock)
+    .NumBits(SampleBits + 1), .DenBits(PlaceBits), .FractionBits(14), .BitsPerClock(BitsPerClock),
+    .SideBits(2)
   ) u_y (
     .clk_i, .rst_i,
     .cfg_scale_i(cfg_ky_i),
-    .in_valid_i(start), .in_ready_o(ready_y), .in_num_i(num_y), .in_den_i(den_y), .in_side_i(1'b0),
-    .out_valid_o(valid_y), .out_ready_i(take_place), .out_quotient_o(place_y), .out_side_o(unused_side_y)
+    .in_valid_i(start), .in_ready_o(ready_y), .in_num_i(num_y), .in_den_i(den_y), .in_side_i(number_q),
+    .out_valid_o(valid_y), .out_ready_i(pop_y), .out_quotient_o(place_y), .out_side_o(number_y)
   );
 
   if (Correct) begin : gen_correct
     logic correct_ready;
     assign ratios_ready = ready_x && ready_y;
-    assign take_place   = place_valid && correct_ready;
+    assign place_valid  = valid_x && valid_y && number_x == number_y;
+    assign pop_x        = (place_valid && correct_ready) || (valid_y && behind(number_x, number_y));
+    assign pop_y        = (place_valid && correct_ready) || (valid_x && behind(number_y, number_x));
+    assign pop_load     = take;
     msn_cop4_correct #(.SumBits(SumBits), .SideBits(38)) u_correct (
       .clk_i, .rst_i,
       .cfg_p_i, .cfg_shift_i(cfg_shift_load_i),
@@ -189,6 +203,8 @@ module msn_cop4 #(
     );
     assign take                = load_valid && free;
     assign {x, y, load_flags}  = result_side;
+    logic unused;
+    assign unused = ^number_load;
 
   end else begin : gen_plain
     // All three start together. The load takes two digits more than the position, which waits for it.
@@ -197,8 +213,14 @@ module msn_cop4 #(
     assign load_n       = num_load;
     assign load_den     = (LoadBits'(d) <<< 8) <<< cfg_shift_load_i;
     assign load_side    = '0;
-    assign take         = place_valid && load_valid && free;
-    assign take_place   = take;
+    assign place_valid  = valid_x && valid_y && load_valid;
+    assign take         = place_valid && number_x == number_load && number_y == number_load && free;
+    assign pop_x        = take || (place_valid &&
+                                   (behind(number_x, number_y) || behind(number_x, number_load)));
+    assign pop_y        = take || (place_valid &&
+                                   (behind(number_y, number_x) || behind(number_y, number_load)));
+    assign pop_load     = take || (place_valid &&
+                                   (behind(number_load, number_x) || behind(number_load, number_y)));
     assign x            = place_x;
     assign y            = place_y;
     assign load_flags   = place_flags;
@@ -208,14 +230,14 @@ module msn_cop4 #(
 
   msn_ratio #(
     .NumBits(SampleBits + 1), .DenBits(LoadBits), .FractionBits(16), .BitsPerClock(BitsPerClock),
-    .SideBits(38)
+    .SideBits(2 + 38)
   ) u_load (
     .clk_i, .rst_i,
     .cfg_scale_i(cfg_kf_i),
     .in_valid_i(load_start), .in_ready_o(load_ready), .in_num_i(load_n), .in_den_i(load_den),
-    .in_side_i(load_side),
-    .out_valid_o(load_valid), .out_ready_i(take), .out_quotient_o({unused_sign, over, fraction}),
-    .out_side_o(result_side)
+    .in_side_i({number_q, load_side}),
+    .out_valid_o(load_valid), .out_ready_i(pop_load), .out_quotient_o({unused_sign, over, fraction}),
+    .out_side_o({number_load, result_side})
   );
 
   // Hold the load, then gate by it. `free` is true only once the register is empty, so that out_ready_i has no

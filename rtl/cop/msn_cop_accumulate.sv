@@ -11,8 +11,8 @@
 //   clock  1 .. log2(Lanes)    next          next
 //          beat total, moment  S, A, B, row  Mx, My
 //
-// Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_marker gives them; a
-// frame with a beat that does not fit gives no result.   Model: model/meissner/twins/cop/cop.py
+// Latency 2 + log2(Lanes) clocks, log2 rounded up; a beat a clock, frames without a gap. Beats as msn_frame_marker
+// gives them; a frame with a beat that does not fit gives no result.   Model: model/meissner/twins/cop/cop.py
 // Error: none.
 
 module msn_cop_accumulate #(
@@ -48,11 +48,14 @@ module msn_cop_accumulate #(
   if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
     $fatal(1, "msn_cop_accumulate: Columns = %0d must lie in 1 .. 1024", Columns);
   end
-  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_cop_accumulate: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+  if (!msn_pkg::are_lanes(Lanes) && Lanes != 16) begin : gen_check_lanes
+    $fatal(1, "msn_cop_accumulate: Lanes = %0d must lie in 1 .. 8, or be 16", Lanes);
   end
 
   localparam int unsigned Levels    = $clog2(Lanes);
+  localparam int unsigned Leaves    = 1 << Levels;
+  localparam int unsigned Shift     = $clog2(Lanes & (~Lanes + 1));  // Lanes = Odd 2^Shift
+  localparam int unsigned Odd       = Lanes >> Shift;
   localparam int unsigned Beats     = (Columns + Lanes - 1) / Lanes;
   localparam int unsigned TotalBits = 16 + Levels;
   localparam int unsigned InnerBits = 16 + 2 * Levels;
@@ -87,16 +90,20 @@ module msn_cop_accumulate #(
   end
 
   // A beat's total, and its moment about the last lane, sum (Lanes-1-k) F, in a tree of registers: node 1
-  // is the root, nodes 2i and 2i+1 are the halves of node i, nodes Lanes .. 2 Lanes - 1 are the lanes.
-  logic [2*Lanes-1:1][TotalBits-1:0] total;
-  logic [2*Lanes-1:1][InnerBits-1:0] inner;
+  // is the root, nodes 2i and 2i+1 are the halves of node i. Of its Leaves the last Lanes are the lanes, those left of
+  // them 0: they add nothing to a moment about the last one.
+  logic [2*Leaves-1:1][TotalBits-1:0] total;
+  logic [2*Leaves-1:1][InnerBits-1:0] inner;
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
     logic surplus;
-    assign surplus        = in_row_last_i && (Beats - 1) * Lanes + k >= Columns;
-    assign total[Lanes+k] = surplus ? '0 : TotalBits'(in_data_i[16*k+:16]);
-    assign inner[Lanes+k] = '0;
+    assign surplus                   = in_row_last_i && (Beats - 1) * Lanes + k >= Columns;
+    assign total[2*Leaves-Lanes+k] = surplus ? '0 : TotalBits'(in_data_i[16*k+:16]);
   end
-  for (genvar i = 1; i < Lanes; i++) begin : gen_node
+  assign inner[2*Leaves-1:Leaves] = '0;
+  if (Leaves > Lanes) begin : gen_fill
+    assign total[2*Leaves-Lanes-1:Leaves] = '0;
+  end
+  for (genvar i = 1; i < Leaves; i++) begin : gen_node
     localparam int unsigned Half = Levels - $clog2(i + 1);  // log2 of node 2i+1's lanes, right of 2i's
     always_ff @(posedge clk_i) begin
       if (step) begin
@@ -124,11 +131,24 @@ module msn_cop_accumulate #(
     end
   end
 
-  // Sums of prefix sums: each beat adds the row's sum left of it once more, each row the sum above it. All
+  // Odd times the total, in the root's clock: so the sum left of a beat needs only a shift to count Lanes times.
+  localparam int unsigned OddBits = TotalBits + ((Odd > 1) ? $clog2(Odd + 1) : 0);
+  logic [OddBits-1:0] odd_total;
+  if (Odd > 1) begin : gen_odd
+    logic [TotalBits-1:0] halves;
+    logic [OddBits-1:0]   product;
+    assign halves = total[2] + total[3];
+    msn_constant_multiplier #(.Constant(Odd), .InBits(TotalBits)) u_odd (.in_data_i(halves), .out_data_o(product));
+    always_ff @(posedge clk_i) if (step) odd_total <= product;
+  end else begin : gen_even
+    assign odd_total = total[1];
+  end
+
+  // Sums of prefix sums: each beat adds the row's sum left of it Lanes times, each row the sum above it. All
   // arithmetic is modulo 2^width, so intermediate values may wrap around: only Mx and My must fit, and they
   // do.
-  localparam int unsigned PrefixBits = 16 + $clog2(Beats * Lanes);
-  logic [PrefixBits-1:0] row_total, left;
+  localparam int unsigned PrefixBits = 16 + $clog2(Beats * Lanes * Odd);
+  logic [PrefixBits-1:0] row_total, left;  // Odd times the sums
   logic [SumBits-1:0]    sum, above;
   logic [MxBits-2:0]     moment_a;
   logic [MyBits-2:0]     moment_b;
@@ -138,9 +158,9 @@ module msn_cop_accumulate #(
   always_ff @(posedge clk_i) begin
     if (step) begin
       if (beat_valid[Levels]) begin
-        row_total <= left + PrefixBits'(total[1]);
+        row_total <= left + PrefixBits'(odd_total);
         sum       <= (beat_first[Levels] ? '0 : sum) + SumBits'(total[1]);
-        moment_a  <= (beat_first[Levels] ? '0 : moment_a) + ((MxBits-1)'(left) << Levels)
+        moment_a  <= (beat_first[Levels] ? '0 : moment_a) + ((MxBits-1)'(left) << Shift)
                      + (MxBits-1)'(inner[1]);
         moment_b  <= (beat_first[Levels] ? '0 : moment_b) + (MyBits-1)'(above);
       end
@@ -158,6 +178,8 @@ module msn_cop_accumulate #(
     u_scale_x (.in_data_i(sum), .out_data_o(sum_x));
   msn_constant_multiplier #(.Constant(ScaleY), .InBits(SumBits))
     u_scale_y (.in_data_i(sum), .out_data_o(sum_y));
+  logic unused_scaled;  // above the results' bits
+  assign unused_scaled = ^{sum_x, sum_y};
 
   always_ff @(posedge clk_i) begin
     if (free) begin

@@ -10,19 +10,20 @@ package msn_adc_pkg;
   localparam int unsigned RoundTripNs = 7;
 
   function automatic bit known(int unsigned part);
-    known = part == msn_pkg::AdcMcp3208 || part == msn_pkg::AdcAd7606 || has_tag(part);
+    known = part == msn_pkg::AdcMcp3208 || has_busy(part) || has_tag(part);
   endfunction
 
-  // MAX11123, MAX11124, MAX11125 differ only in the bits of a code. Each answer is the channel's number in four bits
+  // MAX11123, MAX11124, MAX11125 differ only in the bits of a code, MAX11131 has a faster clock. Each answer is the channel's number in four bits
   // and the code, left-aligned, in twelve; it answers the command in the word before.
   function automatic bit has_tag(int unsigned part);
-    has_tag = part >= msn_pkg::AdcMax11123 && part <= msn_pkg::AdcMax11125;
+    has_tag = (part >= msn_pkg::AdcMax11123 && part <= msn_pkg::AdcMax11125) || part == msn_pkg::AdcMax11131;
   endfunction
 
   // Bits of one code.
   function automatic int unsigned data_bits(int unsigned part);
     case (part)
       msn_pkg::AdcAd7606:   data_bits = 16;
+      msn_pkg::AdcAd7606c:  data_bits = 16;
       msn_pkg::AdcMax11123: data_bits = 8;
       msn_pkg::AdcMax11124: data_bits = 10;
       default:              data_bits = 12;
@@ -44,55 +45,85 @@ package msn_adc_pkg;
 
   // The command sent with word `index` of a frame, from bit 15 on.
   //   MCP3208   start bit, single-ended, channel
-  //   MAX1112x  mode control: manual scan of the channel, channel number in the answer
+  //   MAX111xx  mode control: manual scan of the channel, channel number in the answer
   //   AD7606    none: it has no DIN
+  //   AD7606C   zeros: it stays in the mode in which it sends conversions
   function automatic logic [15:0] command(int unsigned part, logic [2:0] index);
     case (part)
       msn_pkg::AdcMcp3208: command = {2'b11, index, 11'd0};
-      msn_pkg::AdcAd7606:  command = '0;
+      msn_pkg::AdcAd7606, msn_pkg::AdcAd7606c: command = '0;
       default:             command = {5'b00001, 1'b0, index, 7'b0000100};
     endcase
   endfunction
 
   // Words that set the part up, each in its own CS frame, before the first conversion.
   function automatic int unsigned setup_words(int unsigned part);
-    setup_words = has_tag(part) ? 5 : 0;
-  endfunction
-
-  function automatic logic [15:0] setup_word(int unsigned part, logic [2:0] index);
-    case (index)
-      3'd0:    setup_word = 16'h0040;  // mode control: reset all registers to their defaults
-      3'd1:    setup_word = 16'h8000;  // configuration: external reference, no average, always on, no echo
-      3'd2:    setup_word = 16'h8800;  // unipolar: every input single-ended, against ground
-      3'd3:    setup_word = 16'h9000;  // bipolar: none
-      default: setup_word = 16'h9800;  // range: the setting for no bipolar inputs
+    case (part)
+      msn_pkg::AdcAd7606c: setup_words = 8;
+      default:             setup_words = has_tag(part) ? 5 : 0;
     endcase
-    if (!has_tag(part)) setup_word = '0;
   endfunction
 
-  // The part has a RESET pin: high for start_ns after rst_i, then low for as long before the first conversion.
-  // A part without RESET that needs a setup is left idle for the same time.
+  function automatic logic [15:0] setup_word(int unsigned part, int unsigned lanes, logic [2:0] index);
+    if (part == msn_pkg::AdcAd7606c) begin  // read bit 14, register 13:8, value 7:0
+      case (index)
+        3'd0:    setup_word = 16'h4200;  // read a register: until the last word, words are for registers
+        3'd1:    setup_word = {11'h010, 2'($clog2(lanes)), 3'd0};  // configuration: 1, 2, 4 or 8 DOUT lanes
+        3'd2:    setup_word = 16'h0311;  // range of channels 0 and 1: +-5 V, single-ended
+        3'd3:    setup_word = 16'h0411;  // 2 and 3
+        3'd4:    setup_word = 16'h0511;  // 4 and 5
+        3'd5:    setup_word = 16'h0611;  // 6 and 7
+        3'd6:    setup_word = 16'h07ff;  // bandwidth: wide on every channel
+        default: setup_word = 16'h0000;  // send conversions
+      endcase
+    end else if (has_tag(part)) begin
+      case (index)
+        3'd0:    setup_word = 16'h0040;  // mode control: reset all registers to their defaults
+        3'd1:    setup_word = 16'h8000;  // configuration: external reference, no average, always on, no echo
+        3'd2:    setup_word = 16'h8800;  // unipolar: every input single-ended, against ground
+        3'd3:    setup_word = 16'h9000;  // bipolar: none
+        default: setup_word = 16'h9800;  // range: the setting for no bipolar inputs
+      endcase
+    end else begin
+      setup_word = '0;
+    end
+  endfunction
+
+  // The part has a RESET pin: high for reset_ns after rst_i, then low for start_ns before the first word or conversion.
+  // A part without RESET that needs a setup is left idle for both times.
   function automatic bit has_reset(int unsigned part);
-    has_reset = part == msn_pkg::AdcAd7606;
+    has_reset = has_busy(part);
+  endfunction
+
+  function automatic int unsigned reset_ns(int unsigned part);
+    case (part)
+      msn_pkg::AdcMcp3208: reset_ns = 0;
+      msn_pkg::AdcAd7606c: reset_ns = 3_300;
+      default:             reset_ns = 100;
+    endcase
   endfunction
 
   function automatic int unsigned start_ns(int unsigned part);
-    start_ns = (part == msn_pkg::AdcMcp3208) ? 0 : 100;
+    case (part)
+      msn_pkg::AdcMcp3208: start_ns = 0;
+      msn_pkg::AdcAd7606c: start_ns = 275_000;
+      default:             start_ns = 100;
+    endcase
   endfunction
 
   // The code is two's complement.
   function automatic bit is_signed(int unsigned part);
-    is_signed = part == msn_pkg::AdcAd7606;
+    is_signed = has_busy(part);
   endfunction
 
-  // CS goes high after every channel and a command selects each channel; otherwise one CS frame has all channels.
+  // CS goes high after every word, each with its command; otherwise one CS frame has all words, without commands.
   function automatic bit cs_per_channel(int unsigned part);
     cs_per_channel = part != msn_pkg::AdcAd7606;
   endfunction
 
   // CONVST starts a conversion and BUSY falls when it ends; otherwise CS falling starts it.
   function automatic bit has_busy(int unsigned part);
-    has_busy = part == msn_pkg::AdcAd7606;
+    has_busy = part == msn_pkg::AdcAd7606 || part == msn_pkg::AdcAd7606c;
   endfunction
 
   // SCLK rests high; otherwise low. DOUT changes when SCLK returns to rest, or (leads) when it leaves rest.
@@ -104,22 +135,25 @@ package msn_adc_pkg;
     leads = has_tag(part);
   endfunction
 
-  // DOUT lanes, and the channels on each when all lanes are used.
+  // DOUT lanes: a power of two up to this. The channels on each, in order: the first lane has the first ones.
   function automatic int unsigned max_lanes(int unsigned part);
     case (part)
-      msn_pkg::AdcAd7606: max_lanes = 2;
-      default:            max_lanes = 1;
+      msn_pkg::AdcAd7606:  max_lanes = 2;
+      msn_pkg::AdcAd7606c: max_lanes = 8;
+      default:             max_lanes = 1;
     endcase
   endfunction
 
-  function automatic int unsigned lane_channels(int unsigned part);
-    lane_channels = 8 / max_lanes(part);
+  function automatic int unsigned lane_channels(int unsigned lanes);
+    lane_channels = (lanes < 1 || lanes > 8) ? 1 : 8 / lanes;
   endfunction
 
   function automatic int unsigned sclk_max_khz(int unsigned part);
     case (part)
       msn_pkg::AdcMcp3208: sclk_max_khz = 2_000;
       msn_pkg::AdcAd7606:  sclk_max_khz = 14_500;
+      msn_pkg::AdcAd7606c: sclk_max_khz = 60_000;
+      msn_pkg::AdcMax11131: sclk_max_khz = 48_000;
       default:             sclk_max_khz = 16_000;
     endcase
   endfunction
@@ -128,7 +162,8 @@ package msn_adc_pkg;
   function automatic int unsigned sclk_min_khz(int unsigned part);
     case (part)
       msn_pkg::AdcMcp3208: sclk_min_khz = 10;
-      msn_pkg::AdcAd7606:  sclk_min_khz = 1;
+      msn_pkg::AdcAd7606, msn_pkg::AdcAd7606c: sclk_min_khz = 1;
+      msn_pkg::AdcMax11131: sclk_min_khz = 480;
       default:             sclk_min_khz = 160;
     endcase
   endfunction
@@ -138,6 +173,8 @@ package msn_adc_pkg;
     case (part)
       msn_pkg::AdcMcp3208: sclk_default_khz = 1_000;
       msn_pkg::AdcAd7606:  sclk_default_khz = 14_500;
+      msn_pkg::AdcAd7606c: sclk_default_khz = 60_000;
+      msn_pkg::AdcMax11131: sclk_default_khz = 48_000;
       default:             sclk_default_khz = 16_000;
     endcase
   endfunction
@@ -147,6 +184,7 @@ package msn_adc_pkg;
     case (part)
       msn_pkg::AdcMcp3208: access_ns = 200;
       msn_pkg::AdcAd7606:  access_ns = 30;
+      msn_pkg::AdcAd7606c: access_ns = 20;
       default:             access_ns = 17;
     endcase
   endfunction
@@ -154,14 +192,19 @@ package msn_adc_pkg;
   // From convert start until BUSY falls, at most.
   function automatic int unsigned conversion_max_ns(int unsigned part);
     case (part)
-      msn_pkg::AdcAd7606: conversion_max_ns = 4_200;
-      default:            conversion_max_ns = 0;
+      msn_pkg::AdcAd7606:  conversion_max_ns = 4_200;
+      msn_pkg::AdcAd7606c: conversion_max_ns = 700;
+      default:             conversion_max_ns = 0;
     endcase
   endfunction
 
   // From convert start to convert start, at least.
   function automatic int unsigned cycle_min_ns(int unsigned part);
-    cycle_min_ns = (part == msn_pkg::AdcAd7606) ? 5_000 : 0;
+    case (part)
+      msn_pkg::AdcAd7606:  cycle_min_ns = 5_000;
+      msn_pkg::AdcAd7606c: cycle_min_ns = 1_000;
+      default:             cycle_min_ns = 0;
+    endcase
   endfunction
 
   // Width of the watchdog: twice the longest conversion, rounded up to a power of two to save a comparator.
@@ -181,7 +224,7 @@ package msn_adc_pkg;
 
   // Words of each lane in a frame; the first word of a tagged part is only a command.
   function automatic int unsigned frame_words(int unsigned part, int unsigned channels, int unsigned lanes);
-    frame_words = ((lanes > 1) ? lane_channels(part) : channels) + 32'(has_tag(part));
+    frame_words = ((lanes > 1) ? lane_channels(lanes) : channels) + 32'(has_tag(part));
   endfunction
 
   // Clocks from one CS frame of `words` words to the next.
@@ -189,12 +232,17 @@ package msn_adc_pkg;
     cs_clocks = 2 * half * (word_bits(part) * words + 1) + half * 32'(leads(part));
   endfunction
 
+  // Clocks from the start of a frame's first word to the end of its last one.
+  function automatic int unsigned read_clocks(int unsigned part, int unsigned half, int unsigned words);
+    read_clocks = cs_per_channel(part) ? words * cs_clocks(part, half, 1) : cs_clocks(part, half, words);
+  endfunction
+
   // Clocks from convert start until no channel samples its input any more: the inputs may change then.
   function automatic int unsigned hold_clocks(int unsigned part, int unsigned channels, int unsigned clk_khz,
                                               int unsigned half);
     case (part)
       msn_pkg::AdcMcp3208: hold_clocks = (channels - 1) * cs_clocks(part, half, 1) + 12 * half + 1;
-      msn_pkg::AdcAd7606:  hold_clocks = msn_pkg::clocks_of_ns(25, clk_khz) + 1;
+      msn_pkg::AdcAd7606, msn_pkg::AdcAd7606c: hold_clocks = msn_pkg::clocks_of_ns(25, clk_khz) + 1;
       default:             hold_clocks = channels * cs_clocks(part, half, 1) + 1;
     endcase
   endfunction
@@ -209,15 +257,15 @@ package msn_adc_pkg;
     words = frame_words(part, channels, lanes);
     if (has_busy(part)) begin
       busy         = conversion_max_ns(part) * clk_khz / 1_000_000 + 1;
-      cycle_clocks = busy + 3 + cs_clocks(part, half, words);
-      other        = busy + 3 + 2 * half * word_bits(part) * words + ((lanes > 1) ? channels - words : 0);
+      cycle_clocks = busy + 3 + read_clocks(part, half, words);
+      other        = cycle_clocks - 2 * half + ((lanes > 1) ? channels - words : 0);
       if (other > cycle_clocks) cycle_clocks = other;
       other        = msn_pkg::clocks_of_ns(cycle_min_ns(part), clk_khz);
       if (other > cycle_clocks) cycle_clocks = other;
       other        = (1 << watch_bits(part, clk_khz)) + channels + 4;
       if (other > cycle_clocks) cycle_clocks = other;
     end else begin
-      cycle_clocks = words * cs_clocks(part, half, 1) + (has_tag(part) ? channels + 4 : 1);
+      cycle_clocks = read_clocks(part, half, words) + (has_tag(part) ? channels + 4 : 1);
     end
   endfunction
 

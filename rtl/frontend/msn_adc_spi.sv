@@ -7,6 +7,7 @@
 // entirely, as a sample of the frame before still waited at its start (dropped_o); a frame given up, as BUSY did not
 // answer (timeout_o) or an answer had another channel's number (mistagged_o: the part is then set up again); no
 // conversion, as the frame before was still under way (overrun_o). All but the first raise lost_o.
+// A frame that an upset ends counts as dropped; its first samples may have left.
 // After reset the part is first reset or set up; then ticks begin.
 //
 // The twin, model/meissner/twins/frontend/adc_spi.py, gives all latencies as functions.
@@ -58,7 +59,7 @@ module msn_adc_spi #(
 
   localparam int unsigned DataBits     = msn_adc_pkg::data_bits(Part);
   localparam int unsigned Half         = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
-  localparam int unsigned LaneChannels = msn_adc_pkg::lane_channels(Part);
+  localparam int unsigned LaneChannels = msn_adc_pkg::lane_channels(Lanes);
   localparam int unsigned Words        = msn_adc_pkg::frame_words(Part, Channels, Lanes);
   localparam int unsigned SetupWords   = msn_adc_pkg::setup_words(Part);
   localparam int unsigned WordBits     = msn_pkg::index_width((Words > SetupWords) ? Words : SetupWords);
@@ -71,7 +72,9 @@ module msn_adc_spi #(
   localparam bit          HasReset     = msn_adc_pkg::has_reset(Part);
   localparam bit          NeedsStart   = HasReset || SetupWords > 0;
   // A part without RESET is idle before its setup as long as the reset of a part with RESET takes.
-  localparam int unsigned StartClocks  = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned RestClocks   = msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned ResetClocks  = msn_pkg::clocks_of_ns(msn_adc_pkg::reset_ns(Part), ClkKhz);
+  localparam int unsigned StartClocks  = ResetClocks + RestClocks;
   localparam int unsigned StartBits    = msn_pkg::index_width(StartClocks);
 
   if (!msn_adc_pkg::known(Part)) begin : gen_check_part
@@ -80,10 +83,11 @@ module msn_adc_spi #(
   if (Channels < 1 || Channels > 8) begin : gen_check_channels
     $fatal(1, "msn_adc_spi: Channels = %0d must lie in 1 .. 8", Channels);
   end
-  if (Lanes < 1 || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
-    $fatal(1, "msn_adc_spi: Lanes = %0d must lie in 1 .. %0d", Lanes, msn_adc_pkg::max_lanes(Part));
+  if (!msn_pkg::are_lanes(Lanes) || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
+    $fatal(1, "msn_adc_spi: Lanes = %0d must be a power of two, at most %0d", Lanes,
+           msn_adc_pkg::max_lanes(Part));
   end
-  if (Lanes > 1 && Channels <= msn_adc_pkg::lane_channels(Part)) begin : gen_check_lane_use
+  if (Lanes > 1 && Channels <= msn_adc_pkg::lane_channels(Lanes)) begin : gen_check_lane_use
     $fatal(1, "msn_adc_spi: Lanes = %0d must be 1: one lane has all %0d Channels", Lanes, Channels);
   end
   if (ClkKhz < 1 || ClkKhz > 400_000) begin : gen_check_clk
@@ -115,13 +119,14 @@ module msn_adc_spi #(
   logic [PeriodBits-1:0] left_q;   // clocks to the next tick
   logic [WatchBits-1:0]  watch_q;  // clocks spent waiting for BUSY
   logic [WordBits-1:0]   word_q;   // back at 0 after the last word of a frame or of the setup
+  logic                  open_q;   // a frame is under way, and has not been stored completely
   logic                  drop_q;   // this frame is dropped
   logic                  over_q;   // a sample was sent with out_user_o
   logic                  ready_q;  // the part has been reset or set up
   logic                  bad_q;    // an answer of this frame had another channel's number
   logic                  busy, busy_q;
-  logic                  enable, tick, frame, give_up, read, done, word, word_last, frame_end;
-  logic                  pending, bad, lost;
+  logic                  enable, tick, frame, waits, give_up, read, running, done, word, word_last, frame_end;
+  logic                  pending, bad, setup, rests, astray, over, stored, missed, overrun;
   logic [StartBits-1:0]  start_q;
   logic [Lanes*KeptBits-1:0] kept;
   logic [Lanes*DataBits-1:0] data;
@@ -129,15 +134,25 @@ module msn_adc_spi #(
   assign ready_o   = ready_q;
   assign enable    = cfg_enable_i && ready_q;
   assign tick      = Trigger ? (cfg_enable_i && trigger_i) : (enable && left_q == '0);
-  assign frame     = tick && state_q == Idle;
-  assign word_last = word_q == ((state_q == Setup) ? WordBits'(SetupWords - 1) : WordBits'(Words - 1));
+  assign frame     = tick && state_q == Idle && !running;
+  assign overrun   = tick && !frame;
+  assign word_last = word_q == (setup ? WordBits'(SetupWords - 1) : WordBits'(Words - 1));
   assign frame_end = done && word_q == '0 && state_q == Read;
-  assign lost      = (frame_end && (drop_q || bad_q)) || give_up || (tick && state_q != Idle);
+  assign waits     = HasBusy && open_q && !running && (state_q == BusyRise || state_q == BusyFall);
+  assign give_up   = waits && &watch_q;
+
+  // The states in which the shifter runs and rests; after an upset of either, the state follows the shifter.
+  assign setup  = SetupWords > 0 && state_q == Setup;
+  assign rests  = state_q == Reset || state_q == Idle || waits;
+  assign astray = running ? !setup && state_q != Read : !rests;
+
+  // A frame that is over and still open gave no samples, or an upset ended it.
+  assign over   = frame_end || give_up || setup || !(running || waits);
+  assign missed = over && open_q;
 
   // Wait for BUSY to rise first: if it is stuck high, or still high from the frame before, its fall means nothing.
   always_comb begin
     state_d = state_q;
-    give_up = HasBusy && (state_q == BusyRise || state_q == BusyFall) && &watch_q;
     case (state_q)
       Reset:    if (start_q == '0) state_d = (SetupWords > 0) ? Setup : Idle;
       Setup:    if (done && word_q == '0) state_d = Idle;
@@ -147,41 +162,44 @@ module msn_adc_spi #(
       default:  if (frame_end) state_d = (Tagged && bad_q) ? Setup : Idle;
     endcase
     if (give_up) state_d = Idle;
+    if (astray)  state_d = running ? Read : Idle;
   end
 
   // True where state_d becomes Read or Setup, BusyRise or BusyFall, but written without state_d for timing: the
   // trigger, a word's end and the pins' registers are far apart.
   logic resumed, set_up, converting;
-  assign resumed = HasBusy ? state_q == BusyFall && !busy && !give_up : state_q == Idle && tick;
-  assign set_up  = SetupWords > 0 && ((state_q == Reset && start_q == '0) || (frame_end && Tagged && bad_q));
-  assign converting = (HasBusy && frame) ||
-                      (!give_up && (state_q == BusyRise || (state_q == BusyFall && busy)));
+  assign resumed = HasBusy ? waits && state_q == BusyFall && !busy && !give_up : frame;
+  assign set_up  = SetupWords > 0 &&
+                   ((state_q == Reset && start_q == '0 && !running) || (frame_end && Tagged && bad_q));
+  assign converting = (HasBusy && frame) || (waits && !give_up && (state_q == BusyRise || busy));
   assign read    = resumed || set_up || (CsPerChannel && done && word_q != '0);
 
   always_ff @(posedge clk_i) begin
     state_q   <= state_d;
     busy_q    <= busy;
     left_q    <= !enable ? '0 : tick ? cfg_period_i - 1'b1 : left_q - 1'b1;
-    watch_q   <= (state_q == BusyRise || state_q == BusyFall) ? watch_q + 1'b1 : '0;
+    watch_q   <= waits ? watch_q + 1'b1 : '0;
     convert_o <= frame;
-    lost_o    <= lost;
+    lost_o    <= missed || overrun;
+    open_q    <= frame || (open_q && !over && !stored);
     ready_q   <= ready_q || state_q == Idle;
-    start_q   <= start_q - 1'b1;
+    // Full outside Reset, so that an upset into this state resets the part for as long.
+    start_q   <= (state_q == Reset) ? start_q - 1'b1 : StartBits'(StartClocks - 1);
 
-    adc_reset_o <= HasReset && state_q == Reset && start_q >= StartBits'(StartClocks / 2);
+    adc_reset_o <= HasReset && state_q == Reset && !running && start_q >= StartBits'(RestClocks);
 
     if (convert_o) drop_q <= pending;  // samples left at the tick; the first word arrives later
     if (frame || word) bad_q <= !frame && (bad_q || bad);
-    if (word) word_q <= word_last ? '0 : word_q + 1'b1;
+    if (!running)  word_q <= '0;  // it is 0 already, unless an upset stopped the shifter
+    else if (word) word_q <= word_last ? '0 : word_q + 1'b1;
 
     // The watchdog's first half outlasts any conversion; CONVST is low in the second, to rise at the next tick.
     adc_convst_o <= converting && !watch_q[WatchBits-1];
 
-    dropped_o <= dropped_o + 32'(frame_end && drop_q);
-    overrun_o <= overrun_o + 32'(tick && state_q != Idle);
-    timeout_o <= timeout_o + 32'(give_up);
-
-    mistagged_o <= mistagged_o + 32'(frame_end && bad_q && !drop_q);
+    dropped_o   <= dropped_o + 32'(missed && !give_up && (drop_q || !bad_q));
+    overrun_o   <= overrun_o + 32'(overrun);
+    timeout_o   <= timeout_o + 32'(missed && give_up);
+    mistagged_o <= mistagged_o + 32'(missed && bad_q && !drop_q);
 
     // A clock later, as the path from the samples to the sum is long.
     over_q       <= out_valid_o && out_ready_i && out_user_o;
@@ -195,6 +213,7 @@ module msn_adc_spi #(
       left_q       <= '0;
       word_q       <= '0;
       convert_o    <= 1'b0;
+      open_q       <= 1'b0;
       lost_o       <= 1'b0;
       adc_convst_o <= 1'b0;
       dropped_o    <= '0;
@@ -213,7 +232,7 @@ module msn_adc_spi #(
   // The AD7606 has no DIN.
   logic mosi;
   logic [15:0] command;
-  assign command    = (state_d == Setup) ? msn_adc_pkg::setup_word(Part, 3'(word_q))
+  assign command    = (state_d == Setup) ? msn_adc_pkg::setup_word(Part, Lanes, 3'(word_q))
                                          : msn_adc_pkg::command(Part, 3'(word_q));
   assign adc_mosi_o = CsPerChannel && mosi;
   logic unused_command;
@@ -222,6 +241,7 @@ module msn_adc_spi #(
   // A tagged answer belongs to the command in the word before.
   logic [IdBits-1:0] store_word;
   logic              store_valid;
+  assign stored = store_valid && word_last && !drop_q && !bad_q && !bad;
   if (Tagged) begin : gen_tagged
     logic [WordBits-1:0] answer;
     assign answer      = word_q - 1'b1;
@@ -233,7 +253,7 @@ module msn_adc_spi #(
     assign unused_kept = ^kept;
   end else begin : gen_plain
     assign store_word  = IdBits'(word_q);
-    assign store_valid = word;
+    assign store_valid = word && (SetupWords == 0 || state_q == Read);
     assign bad         = 1'b0;
     assign data        = kept;
   end
@@ -244,7 +264,7 @@ module msn_adc_spi #(
   ) u_shift (
     .clk_i, .rst_i,
     .start_i(read), .again_i(!CsPerChannel && !word_last), .command_i(command[15-:KeptBits]), .word_o(word),
-    .data_o(kept), .done_o(done),
+    .data_o(kept), .run_o(running), .done_o(done),
     .spi_cs_n_o(adc_cs_n_o), .spi_sclk_o(adc_sclk_o), .spi_mosi_o(mosi), .spi_miso_i(adc_miso_i)
   );
 

@@ -46,7 +46,7 @@ module msn_grid_table #(
     $fatal(1, "msn_grid_table: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_grid_table: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_grid_table: Lanes = %0d must lie in 1 .. 8", Lanes);
   end
   if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
     $fatal(1, "msn_grid_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
@@ -65,7 +65,7 @@ module msn_grid_table #(
   assign status_o  = swapping;
   assign there     = {1'b0, cfg_i.word} < (cfg_i.write_row ? 21'(Rows) : 21'(RowBeats));
   assign write_row = cfg_i.write_written && cfg_i.write_row && there;
-  assign write     = (cfg_i.write_written && !cfg_i.write_row && there) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign write     = (cfg_i.write_written && !cfg_i.write_row && there) ? Lanes'(cfg_i.write_lanes) : '0;
   assign restart   = last_i || !fits_i;
   assign swap      = swapping && !midway;
 
@@ -100,43 +100,42 @@ module msn_grid_table #(
   logic unused_cfg;
   assign unused_cfg = ^{cfg_i, entry_offset};
 
-  (* no_rw_check *) logic [PartBits-1:0] rows [2**(RowBits+1)];
-  logic [PartBits-1:0] row_read, row_near, of_row;
-  always_ff @(posedge clk_i) begin
-    if (write_row) rows[{!bank, RowBits'(cfg_i.word)}] <= entry;
-    row_read <= rows[row_at];
-    row_near <= row_read;
-    of_row   <= loaded[3] ? row_near : PartBits'(16'd4096);
-  end
+  logic [PartBits-1:0] row_read, of_row;
+  msn_ram #(.Words(2 ** (RowBits + 1)), .Width(PartBits)) u_rows (
+    .clk_i,
+    .write_i(write_row), .write_address_i({!bank, RowBits'(cfg_i.word)}), .write_data_i(entry),
+    .read_i(1'b1), .read_address_i(row_at), .out_data_o(row_read)
+  );
+  always_ff @(posedge clk_i) of_row <= loaded[3] ? row_read : PartBits'(16'd4096);
 
   // Gains and offsets in separate memories: their data go to different places, and the first register after a
   // memory must be placed next to it.
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
-    (* no_rw_check *) logic [15:0] gains [2**(BeatBits+1)];
-    logic [15:0]        gain_read, gain_near, gain_column;
+    logic [15:0]        gain_read, gain_column;
     logic signed [32:0] gain;
+    msn_ram #(.Words(2 ** (BeatBits + 1)), .Width(16)) u_gains (
+      .clk_i,
+      .write_i(write[k]), .write_address_i({!bank, BeatBits'(cfg_i.word)}), .write_data_i(cfg_i.gain),
+      .read_i(1'b1), .read_address_i(beat_at), .out_data_o(gain_read)
+    );
     msn_multiply #(.AWidth(17), .BWidth(16)) u_gain (
       .clk_i, .enable_i(1'b1), .a_i(signed'({1'b0, of_row[15:0]})), .b_i(gain_column), .y_o(gain)
     );
     assign out_gain_o[32*k+:32] = gain[31:0];
     logic unused_sign;
     assign unused_sign = gain[32];
-    always_ff @(posedge clk_i) begin
-      if (write[k]) gains[{!bank, BeatBits'(cfg_i.word)}] <= cfg_i.gain;
-      gain_read   <= gains[beat_at];
-      gain_near   <= gain_read;
-      gain_column <= loaded[3] ? gain_near : cfg_i.preset;
-    end
+    always_ff @(posedge clk_i) gain_column <= loaded[3] ? gain_read : cfg_i.preset;
 
     if (Offset) begin : gen_offset
-      (* no_rw_check *) logic [OffsetBits-1:0] offsets [2**(BeatBits+1)];
-      logic        [OffsetBits-1:0] offset_read, offset_near;
+      logic        [OffsetBits-1:0] offset_read;
       logic signed [OffsetBits-1:0] offset_column, column_offset, row_offset;
+      msn_ram #(.Words(2 ** (BeatBits + 1)), .Width(OffsetBits)) u_offsets (
+        .clk_i,
+        .write_i(write[k]), .write_address_i({!bank, BeatBits'(cfg_i.word)}), .write_data_i(entry_offset),
+        .read_i(1'b1), .read_address_i(beat_at), .out_data_o(offset_read)
+      );
       always_ff @(posedge clk_i) begin
-        if (write[k]) offsets[{!bank, BeatBits'(cfg_i.word)}] <= entry_offset;
-        offset_read   <= offsets[beat_at];
-        offset_near   <= offset_read;
-        offset_column <= loaded[3] ? signed'(offset_near) : '0;
+        offset_column <= loaded[3] ? signed'(offset_read) : '0;
         column_offset <= offset_column;
         row_offset    <= signed'(of_row[16+:OffsetBits]);
         out_offset_o[SampleBits*k+:SampleBits] <= SampleBits'(row_offset) + SampleBits'(column_offset);

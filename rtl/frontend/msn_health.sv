@@ -70,7 +70,7 @@ module msn_health #(
     $fatal(1, "msn_health: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_health: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_health: Lanes = %0d must lie in 1 .. 8", Lanes);
   end
   if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
     $fatal(1, "msn_health: SampleBits = %0d must lie in 2 .. 18", SampleBits);

@@ -132,7 +132,7 @@ module msn_scan #(
     end
   end
 
-  // The beat's place. In rows of several groups Channels is a power of two, so no product is needed.
+  // The beat's place in its row, group*Channels + channel, by shifts and adds.
   localparam int unsigned PlaceBits = GroupBits + ChanBits;
   logic [PlaceBits-1:0] place;
   logic                 wanted, frame_first;
@@ -140,8 +140,13 @@ module msn_scan #(
     assign place = PlaceBits'(done_group);
     logic unused_channel;
     assign unused_channel = ^channel_q2;
-  end else if ((Channels & (Channels - 1)) == 0) begin : gen_power
+  end else if (msn_pkg::is_power(Channels)) begin : gen_power
     assign place = {done_group, channel_q2};
+  end else if (Beats > Channels) begin : gen_groups
+    logic [GroupBits+msn_pkg::index_width(Channels+1)-1:0] first;  // of the group
+    msn_constant_multiplier #(.Constant(Channels), .InBits(GroupBits))
+      u_first (.in_data_i(done_group), .out_data_o(first));
+    assign place = PlaceBits'(first) + PlaceBits'(channel_q2);
   end else begin : gen_alone
     assign place = PlaceBits'(channel_q2);
     logic unused_group;

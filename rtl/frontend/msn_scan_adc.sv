@@ -2,7 +2,7 @@
 //
 // msn_scan with its converters: from the pins of Lanes parts of one kind, and the lines of the matrix, to frames.
 //
-// Channels inputs of each part are used. A part that converts them one after the other (MCP3208, MAX1112x) holds the
+// Channels inputs of each part are used. A part that converts them one after the other (MCP3208, MAX111xx) holds the
 // row for that time; one that samples all simultaneously (AD7606) lets the row change while it converts. The lines
 // hold for Hold clocks, triggers are Cycle clocks apart, both from msn_adc_pkg. Scanning begins when all parts have
 // been reset or set up.   Model: model/meissner/twins/frontend/scan_adc.py

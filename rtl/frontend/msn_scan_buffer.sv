@@ -70,9 +70,6 @@ module msn_scan_buffer #(
   assign row_full   = in_beat == BeatBits'(Beats - 1);
   assign whole      = store ? row_full && in_rows == (RowBits+1)'(Rows - 1) : whole_q;
 
-  (* no_rw_check *) logic [Width-1:0] frame [Depth];
-  always_ff @(posedge clk_i) if (store) frame[in_address] <= in_data_i;
-
   always_ff @(posedge clk_i) begin
     whole_q <= whole;
     if (store) begin
@@ -102,7 +99,6 @@ module msn_scan_buffer #(
   logic [IdBits-1:0]   id_q;
   logic                move, read_valid_q, read_last_q;
   logic [IdBits-1:0]   read_id_q;
-  logic [Width-1:0]    read_q;
   assign move     = out_ready_i || !out_valid_o;
   assign step     = open_q && ahead_q && move;
   assign row_read = beat_q == BeatBits'(Beats - 1);
@@ -135,11 +131,9 @@ module msn_scan_buffer #(
       id_q       <= '0;
     end
     if (move) begin
-      read_q       <= frame[AddressBits'(id_q)];
       read_id_q    <= id_q;
       read_last_q  <= all_read;
       read_valid_q <= step;
-      out_data_o   <= read_q;
       out_id_o     <= read_id_q;
       out_last_o   <= read_last_q;
       out_valid_o  <= read_valid_q;
@@ -150,6 +144,12 @@ module msn_scan_buffer #(
       out_valid_o  <= 1'b0;
     end
   end
+
+  msn_ram #(.Words(Depth), .Width(Width)) u_frame (
+    .clk_i,
+    .write_i(store), .write_address_i(in_address), .write_data_i(in_data_i),
+    .read_i(move), .read_address_i(AddressBits'(id_q)), .out_data_o
+  );
 
   // Reading a place in the clock in which it is written is undefined. Exempt: a frame with a missing beat, replaced
   // by the next one, is damaged anyway.

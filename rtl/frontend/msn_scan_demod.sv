@@ -69,8 +69,8 @@ module msn_scan_demod #(
   if (msn_adc_pkg::has_busy(Part)) begin : gen_check_part
     $fatal(1, "msn_scan_demod: Part = %0d must convert without BUSY", Part);
   end
-  if (Converters != 1 && Converters != 2 && Converters != 4 && Converters != 8) begin : gen_check_converters
-    $fatal(1, "msn_scan_demod: Converters = %0d must be 1, 2, 4 or 8", Converters);
+  if (!msn_pkg::are_lanes(Converters)) begin : gen_check_converters
+    $fatal(1, "msn_scan_demod: Converters = %0d must lie in 1 .. 8", Converters);
   end
   if (SamplePeriod < AdcCycle) begin : gen_check_sample_period
     $fatal(1, "msn_scan_demod: SamplePeriod = %0d must be at least the converter's %0d clocks", SamplePeriod,

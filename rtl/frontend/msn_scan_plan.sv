@@ -60,13 +60,10 @@ module msn_scan_plan #(
     $fatal(1, "msn_scan_plan: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_scan_plan: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_scan_plan: Lanes = %0d must lie in 1 .. 8", Lanes);
   end
   if (Channels < 1 || Channels > 8) begin : gen_check_channels
     $fatal(1, "msn_scan_plan: Channels = %0d must lie in 1 .. 8", Channels);
-  end
-  if (Groups > 1 && !msn_pkg::is_power(Channels)) begin : gen_check_groups
-    $fatal(1, "msn_scan_plan: Channels = %0d must be 1, 2, 4 or 8 for %0d groups", Channels, Groups);
   end
   if (Hold < 2) begin : gen_check_hold
     $fatal(1, "msn_scan_plan: Hold = %0d must be at least 2", Hold);

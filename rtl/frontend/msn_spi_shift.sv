@@ -31,6 +31,7 @@ module msn_spi_shift #(
   input  logic [DataBits-1:0]       command_i,  // sent from its top bit on
   output logic                      word_o,
   output logic [Lanes*DataBits-1:0] data_o,     // lane 0 lowest
+  output logic                      run_o,      // from the clock after start_i to done_o
   output logic                      done_o,
 
   output logic                      spi_cs_n_o,
@@ -49,7 +50,6 @@ module msn_spi_shift #(
   localparam int unsigned HalfBits  = msn_pkg::index_width(Half);
   localparam int unsigned IndexBits = msn_pkg::index_width(Bits);
 
-  logic                      run_q;
   logic                      second_q;  // in the second half of a bit
   logic                      lead_q;    // in the half bit before the first one
   logic                      sclk_q;    // SCLK is active; unlike second_q low while CS is high
@@ -59,7 +59,7 @@ module msn_spi_shift #(
   logic [Lanes*DataBits-1:0] shift_q;
 
   logic half_end, bit_end;
-  assign half_end = run_q && half_q == '0;
+  assign half_end = run_o && half_q == '0;
   assign bit_end  = half_end && second_q && !lead_q;
   assign done_o   = bit_end && spi_cs_n_o;
 
@@ -74,7 +74,7 @@ module msn_spi_shift #(
 
   always_ff @(posedge clk_i) begin
     miso_q <= spi_miso_i;
-    word_o <= run_q && ahead && !spi_cs_n_o && left_q == '0;
+    word_o <= run_o && ahead && !spi_cs_n_o && left_q == '0;
 
     half_q <= (start_i || half_end) ? HalfBits'(Half - 1) : half_q - 1'b1;
     if (start_i || word_o) left_q <= IndexBits'(Bits - 1);
@@ -87,15 +87,16 @@ module msn_spi_shift #(
     second_q <= start_i ? Lead : (second_q ^ half_end);
     lead_q   <= start_i ? Lead : (lead_q && !half_end);
     // CS is still low at word_o: with Lead, SCLK becomes active there only if another word follows.
-    sclk_q   <= !start_i && (sclk_q ^ (half_end && !spi_cs_n_o && !(Lead && word_o && !again_i)));
+    sclk_q   <= run_o && !start_i && (sclk_q ^ (half_end && !spi_cs_n_o && !(Lead && word_o && !again_i)));
 
-    if (start_i)                  spi_cs_n_o <= 1'b0;
-    else if (word_o && !again_i)  spi_cs_n_o <= 1'b1;
-    if (start_i)                  run_q <= 1'b1;
-    else if (done_o)              run_q <= 1'b0;
+    // An upset of run_o ends the word: the pins rest.
+    if (start_i)                             spi_cs_n_o <= 1'b0;
+    else if (!run_o || (word_o && !again_i)) spi_cs_n_o <= 1'b1;
+    if (start_i)                             run_o <= 1'b1;
+    else if (done_o)                         run_o <= 1'b0;
 
     if (rst_i) begin
-      run_q      <= 1'b0;
+      run_o      <= 1'b0;
       word_o     <= 1'b0;
       second_q   <= 1'b0;
       lead_q     <= 1'b0;

@@ -67,7 +67,7 @@ module msn_tare #(
     $fatal(1, "msn_tare: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_tare: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_tare: Lanes = %0d must lie in 1 .. 8", Lanes);
   end
   if (FractionBits < 1 || FractionBits > 16) begin : gen_check_fraction_bits
     $fatal(1, "msn_tare: FractionBits = %0d must lie in 1 .. 16", FractionBits);
@@ -92,7 +92,7 @@ module msn_tare #(
   logic [31:0] swallowed_count;  // frames dropped while loading
   logic [Lanes-1:0] written;
   assign ask     = cfg_i.average || (start_i && cfg_i.at_start);
-  assign written = (cfg_i.write_written && {1'b0, cfg_i.word} < 21'(Beats)) ? cfg_i.write[Lanes-1:0] : '0;
+  assign written = (cfg_i.write_written && {1'b0, cfg_i.word} < 21'(Beats)) ? Lanes'(cfg_i.write) : '0;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
   assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: accept is known late

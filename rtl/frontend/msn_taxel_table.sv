@@ -39,7 +39,7 @@ module msn_taxel_table #(
     $fatal(1, "msn_taxel_table: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_taxel_table: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_taxel_table: Lanes = %0d must lie in 1 .. 8", Lanes);
   end
   if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
     $fatal(1, "msn_taxel_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
@@ -81,7 +81,7 @@ module msn_taxel_table #(
   logic             there;
   logic [Lanes-1:0] write;
   assign there = {1'b0, cfg_i.word} < 21'(Words);
-  assign write = (cfg_i.write_written && !cfg_i.write_row && there) ? cfg_i.write_lanes[Lanes-1:0] : '0;
+  assign write = (cfg_i.write_written && !cfg_i.write_row && there) ? Lanes'(cfg_i.write_lanes) : '0;
   logic unused_cfg;
   assign unused_cfg  = ^cfg_i;
   assign out_valid_o = valid && !swap && !stale;

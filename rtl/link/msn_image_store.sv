@@ -75,20 +75,11 @@ module msn_image_store #(
     end
   end
 
-  // A slice has the width of one ECP5 block RAM at this depth, as in msn_frame_table: otherwise a multiplexer would
-  // lie between the memories' slow outputs and the register.
-  localparam int unsigned Depth     = 2 << AddressBits;
-  localparam int unsigned SliceBits = (Depth <= 1024) ? 16 : (Depth <= 2048) ? 8 : (Depth <= 4096) ? 4 :
-                                      (Depth <= 8192) ? 2 : 1;
-  for (genvar low = 0; low < 16; low += SliceBits) begin : gen_slice
-    (* no_rw_check *) logic [SliceBits-1:0] memory [Depth];
-    logic [SliceBits-1:0] fetched;
-    always_ff @(posedge clk_i) begin
-      if (in_valid_i && !dropping) memory[{bank ^ move, place}] <= in_data_i[low+:SliceBits];
-      fetched                     <= memory[{!bank, read_address_i}];
-      read_data_o[low+:SliceBits] <= fetched;
-    end
-  end
+  msn_ram #(.Words(2 << AddressBits), .Width(16)) u_taxels (
+    .clk_i,
+    .write_i(in_valid_i && !dropping), .write_address_i({bank ^ move, place}), .write_data_i(in_data_i),
+    .read_i(1'b1), .read_address_i({!bank, read_address_i}), .out_data_o(read_data_o)
+  );
 
   // Reading a taxel in the clock in which it is written is undefined: while an image is read, new taxels must go to
   // the other bank.

@@ -180,6 +180,7 @@ package msn_registers_pkg;
     logic [15:0] size_columns;
     logic [31:0] clk_khz;
     logic [20:0] beats;
+    logic [3:0]  lanes;
   } core_status_t;
 
   typedef struct packed {
@@ -313,26 +314,27 @@ package msn_registers_pkg;
     logic [31:0] value;      // the constant; of a setting its lowest bit in the reset values
   } row_t;
 
-  localparam int unsigned Rows       = 175;
+  localparam int unsigned Rows       = 176;
   localparam int unsigned CfgBits    = 1351;
-  localparam int unsigned StatusBits = 1211;
+  localparam int unsigned StatusBits = 1215;
   // The first row highest.
   localparam logic [Rows*RowBits-1:0] Table = {
   {Core,      10'h000, 5'd0,  6'd32, Constant, AtOnce,   Whole,  1'b0, 12'd0, 32'h4d534e52},  // id
-  {Core,      10'h001, 5'd0,  6'd8,  Constant, AtOnce,   Whole,  1'b0, 12'd0, 32'h1},  // version_patch
-  {Core,      10'h001, 5'd8,  6'd8,  Constant, AtOnce,   Whole,  1'b0, 12'd0, 32'h5},  // version_minor
+  {Core,      10'h001, 5'd0,  6'd8,  Constant, AtOnce,   Whole,  1'b0, 12'd0, 32'h0},  // version_patch
+  {Core,      10'h001, 5'd8,  6'd8,  Constant, AtOnce,   Whole,  1'b0, 12'd0, 32'h6},  // version_minor
   {Core,      10'h001, 5'd16, 6'd16, Constant, AtOnce,   Whole,  1'b0, 12'd0, 32'h0},  // version_major
   {Core,      10'h002, 5'd0,  6'd32, Features, AtOnce,   Whole,  1'b0, 12'd0, 32'h0},  // features
-  {Core,      10'h003, 5'd0,  6'd16, Status,   AtOnce,   Whole,  1'b0, 12'd1195, 32'h0},  // size_rows
-  {Core,      10'h003, 5'd16, 6'd16, Status,   AtOnce,   Whole,  1'b0, 12'd1179, 32'h0},  // size_columns
-  {Core,      10'h004, 5'd0,  6'd32, Status,   AtOnce,   Whole,  1'b0, 12'd1147, 32'h0},  // clk_khz
+  {Core,      10'h003, 5'd0,  6'd16, Status,   AtOnce,   Whole,  1'b0, 12'd1199, 32'h0},  // size_rows
+  {Core,      10'h003, 5'd16, 6'd16, Status,   AtOnce,   Whole,  1'b0, 12'd1183, 32'h0},  // size_columns
+  {Core,      10'h004, 5'd0,  6'd32, Status,   AtOnce,   Whole,  1'b0, 12'd1151, 32'h0},  // clk_khz
   {Core,      10'h005, 5'd0,  6'd32, Setting,  AtOnce,   Whole,  1'b0, 12'd1319, 32'h0},  // scratch
   {Core,      10'h006, 5'd0,  6'd8,  Widths,   AtOnce,   Detail, 1'b0, 12'd0, 32'h0},  // widths_detail
   {Core,      10'h006, 5'd8,  6'd8,  Widths,   AtOnce,   Timer,  1'b0, 12'd0, 32'h0},  // widths_timer
   {Core,      10'h006, 5'd16, 6'd8,  Widths,   AtOnce,   Load,   1'b0, 12'd0, 32'h0},  // widths_load
   {Core,      10'h006, 5'd24, 6'd8,  Widths,   AtOnce,   Offset, 1'b0, 12'd0, 32'h0},  // widths_offset
-  {Core,      10'h007, 5'd0,  6'd21, Status,   AtOnce,   Whole,  1'b0, 12'd1126, 32'h0},  // beats
+  {Core,      10'h007, 5'd0,  6'd21, Status,   AtOnce,   Whole,  1'b0, 12'd1130, 32'h0},  // beats
   {Core,      10'h008, 5'd0,  6'd1,  Setting,  AtOnce,   Whole,  1'b0, 12'd1318, 32'h20},  // hold
+  {Core,      10'h009, 5'd0,  6'd4,  Status,   AtOnce,   Whole,  1'b0, 12'd1126, 32'h0},  // lanes
   {Adc,       10'h040, 5'd0,  6'd1,  Setting,  AtOnce,   Whole,  1'b0, 12'd1317, 32'h21},  // enable
   {Adc,       10'h041, 5'd0,  6'd24, Setting,  AtOnce,   Whole,  1'b0, 12'd1293, 32'h22},  // period
   {Adc,       10'h042, 5'd0,  6'd32, Status,   AtOnce,   Whole,  1'b0, 12'd1094, 32'h0},  // dropped

@@ -52,7 +52,8 @@ module msn_state_report #(
   assign chunk_left_o  = 16'(Channels) - 16'(place);
   always_ff @(posedge clk_i) begin
     asked   <= report_i || (asked && !begin_over);
-    sending <= take_i || (sending && !(step_i && end_o));
+    // Nothing is sent of what does not wait: after an upset, asked would wait for ever.
+    sending <= take_i || (sending && chunk_valid_o && !(step_i && end_o));
     if (step_i) begin
       place <= final_word ? '0 : place + 13'd4;
       if (final_word) chunk_valid_o <= 1'b0;

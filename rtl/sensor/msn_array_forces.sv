@@ -113,7 +113,7 @@ module msn_array_forces #(
       .event_valid_o(event_valid), .event_ready_i(event_ready), .event_id_o(event_id),
       .event_dead_o(event_dead), .event_railed_o(event_railed), .event_blinking_o(event_blinking)
     );
-    msn_health_report #(.IdBits(IdBits), .Lanes(Lanes)) u_health_report (
+    msn_health_report #(.IdBits(IdBits), .Lanes(Lanes), .Columns(Columns)) u_health_report (
       .clk_i, .rst_i,
       .in_valid_i(event_valid), .in_ready_o(event_ready), .in_id_i(event_id), .in_dead_i(event_dead),
       .in_railed_i(event_railed), .in_blinking_i(event_blinking),

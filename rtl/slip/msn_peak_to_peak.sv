@@ -171,18 +171,15 @@ module msn_peak_to_peak #(
     localparam int unsigned Stages   = (SpanBits + 1) / 2;
     localparam int unsigned Odd      = SpanBits % 2;
 
-    // `age` counts the details up to the end of the first window, `turn` those since the last window closed;
-    // before the first window closes, `turn` waits at Hop - 1.
-    logic [SpanBits-1:0] age, age_q, turn, turn_q;
-    logic                grown;
-    assign age    = in_restart_i ? '0 : age_q;
-    assign grown  = age == SpanBits'(Span - 1);
-    assign turn   = in_restart_i ? SpanBits'(Hop - 1) : turn_q;
-    assign closes = grown && (turn == SpanBits'(Hop - 1));
+    // Details to come until a window closes: Span - 1 at the first of all, Hop - 1 after each window's end.
+    logic [SpanBits-1:0] left, left_next;
+    logic                closes_q;  // left is 0, computed a detail ahead
+    assign closes    = !in_restart_i && closes_q;
+    assign left_next = in_restart_i ? SpanBits'(Span - 2) : closes_q ? SpanBits'(Hop - 1) : left - 1'b1;
     always_ff @(posedge clk_i) begin
       if (accept && in_last_i) begin
-        age_q  <= grown ? age : age + 1'b1;
-        turn_q <= !grown ? SpanBits'(Hop - 1) : closes ? '0 : turn + 1'b1;
+        left     <= left_next;
+        closes_q <= in_restart_i ? Span == 2 : closes_q ? Hop == 1 : left == SpanBits'(1);
       end
     end
 

@@ -15,7 +15,7 @@ module msn_sliding_extremes #(
   parameter  int unsigned Lag        = 1,
   parameter  int unsigned Taps       = 4,
   parameter  int unsigned SideBits   = 1,  // payload that only travels along
-  localparam int unsigned CountBits  = msn_pkg::index_width((Taps - 1) * Lag + 1)
+  localparam int unsigned CountBits  = msn_pkg::index_width(Taps / 2 * Lag + 1)
 ) (
   input  logic                         clk_i,
   input  logic                         rst_i,
@@ -51,63 +51,65 @@ module msn_sliding_extremes #(
   assign in_ready_o = out_ready_i || !out_valid_o;
   assign accept     = in_valid_i && in_ready_o;
 
-  // Frames since the restart, up to the oldest that a tap reaches.
-  localparam logic [CountBits-1:0] Oldest = CountBits'((Taps - 1) * Lag);
-  logic [CountBits-1:0] frames, frames_q;
-  assign frames = in_restart_i ? '0 : frames_q;
+  // Frames since the restart, up to the oldest that a stored value reaches.
+  localparam logic [CountBits-1:0] Oldest = CountBits'(Taps / 2 * Lag);
+  logic [CountBits-1:0] frames, frames_q, frames_next;
+  assign frames      = in_restart_i ? '0 : frames_q;
+  assign frames_next = (frames == Oldest) ? Oldest : frames + 1'b1;
 
-  logic signed [Taps-1:0][DetailBits-1:0] high, low;  // tap j is j Lag frames old
-  logic        [Taps-1:1]                 exists;
-  assign high[0] = in_high_i;
-  assign low[0]  = in_low_i;
-  for (genvar j = 1; j < Taps; j++) begin : gen_tap
-    msn_delay #(.Depth(Channels * Lag), .Width(2 * DetailBits)) u_lag (
+  // Values are joined in these places: 0: tap 0 and all older ones; 1: taps 0 and 1, which 2 Lag frames later are taps
+  // 2 and 3; 2: those three, for the next step, as channels come in order and so its taps are known a step ahead.
+  localparam int unsigned Joins = (Taps == 4) ? 3 : 1;
+  logic                             near, far;  // taps 1, and 2 and 3, count; `far` for the next step
+  logic [Joins-1:0][DetailBits-1:0] new_high, new_low, old_high, old_low, high, low;
+  for (genvar j = 0; j < Joins; j++) begin : gen_join
+    logic                         higher, lower;
+    logic signed [DetailBits-1:0] old_top, new_top, old_bottom, new_bottom;
+    assign {old_top, new_top, old_bottom, new_bottom} = {old_high[j], new_high[j], old_low[j], new_low[j]};
+    msn_compare #(.Width(DetailBits)) u_higher (.a_i(old_top), .b_i(new_top), .greater_o(higher));
+    msn_compare #(.Width(DetailBits)) u_lower (.a_i(new_bottom), .b_i(old_bottom), .greater_o(lower));
+    assign high[j] = ((j == 2 ? far : near) && higher) ? old_top : new_top;
+    assign low[j]  = ((j == 2 ? far : near) && lower) ? old_bottom : new_bottom;
+  end
+  assign near = frames >= CountBits'(Lag);
+  assign far  = (in_last_i ? frames_next : frames) == Oldest;  // unless a restart comes
+  assign {new_high[0], new_low[0]} = {in_high_i, in_low_i};
+
+  // Tap 1 of the next step.
+  logic [DetailBits-1:0] high_next, low_next;
+  if (Channels * Lag == 1) begin : gen_now
+    assign {high_next, low_next} = {in_high_i, in_low_i};
+  end else begin : gen_lag
+    msn_delay #(.Depth(Channels * Lag - 1), .Width(2 * DetailBits)) u_lag (
       .clk_i, .rst_i,
-      .step_i(accept), .in_data_i({high[j-1], low[j-1]}), .out_data_o({high[j], low[j]})
+      .step_i(accept), .in_data_i({in_high_i, in_low_i}), .out_data_o({high_next, low_next})
     );
-    assign exists[j] = frames >= CountBits'(j * Lag);
   end
 
-  // Compare taps in pairs, then the pairs. A tap is valid only if all newer taps are.
-  logic [Taps/2-1:0][DetailBits-1:0] high_pair, low_pair;
-  for (genvar p = 0; p < Taps / 2; p++) begin : gen_pair
-    logic higher, lower;
-    msn_compare #(.Width(DetailBits)) u_higher (
-      .a_i(signed'(high[2*p+1])), .b_i(signed'(high[2*p])), .greater_o(higher)
-    );
-    msn_compare #(.Width(DetailBits)) u_lower (
-      .a_i(signed'(low[2*p])), .b_i(signed'(low[2*p+1])), .greater_o(lower)
-    );
-    assign high_pair[p] = (exists[2*p+1] && higher) ? high[2*p+1] : high[2*p];
-    assign low_pair[p]  = (exists[2*p+1] && lower) ? low[2*p+1] : low[2*p];
-  end
-
-  logic [DetailBits-1:0] highest, lowest;
   if (Taps == 4) begin : gen_four
-    logic higher, lower;
-    msn_compare #(.Width(DetailBits)) u_higher (
-      .a_i(signed'(high_pair[1])), .b_i(signed'(high_pair[0])), .greater_o(higher)
+    assign {new_high[1], new_low[1]} = {in_high_i, in_low_i};
+    always_ff @(posedge clk_i) if (accept) {old_high[1], old_low[1]} <= {high_next, low_next};
+
+    assign {new_high[2], new_low[2]} = {high_next, low_next};
+    msn_delay #(.Depth(2 * Channels * Lag - 1), .Width(2 * DetailBits)) u_pairs (
+      .clk_i, .rst_i,
+      .step_i(accept), .in_data_i({high[1], low[1]}), .out_data_o({old_high[2], old_low[2]})
     );
-    msn_compare #(.Width(DetailBits)) u_lower (
-      .a_i(signed'(low_pair[0])), .b_i(signed'(low_pair[1])), .greater_o(lower)
-    );
-    assign highest = (exists[2] && higher) ? high_pair[1] : high_pair[0];
-    assign lowest  = (exists[2] && lower) ? low_pair[1] : low_pair[0];
+    always_ff @(posedge clk_i) if (accept) {old_high[0], old_low[0]} <= {high[2], low[2]};
   end else begin : gen_two
-    assign highest = high_pair[0];
-    assign lowest  = low_pair[0];
+    always_ff @(posedge clk_i) if (accept) {old_high[0], old_low[0]} <= {high_next, low_next};
   end
 
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
       out_valid_o   <= in_valid_i;
-      out_high_o    <= signed'(highest);
-      out_low_o     <= signed'(lowest);
+      out_high_o    <= signed'(high[0]);
+      out_low_o     <= signed'(low[0]);
       out_side_o    <= in_side_i;
       out_last_o    <= in_last_i;
       out_restart_o <= in_restart_i;
     end
-    if (accept && in_last_i) frames_q <= (frames == Oldest) ? Oldest : frames + 1'b1;
+    if (accept && in_last_i) frames_q <= frames_next;
     if (rst_i) out_valid_o <= 1'b0;
   end
 

@@ -546,7 +546,7 @@ EVIDENCE = {
     "equivalence": {"size": {"Fingers": 3}},
     "faults": {
         "settle": 40,
-        "driver": {"frame": "over_valid_i", "kept": "out_command_o term speed_valid clocks last_clock"},
+        "driver": {"frame": "over_valid_i", "kept": "out_command_o goal term speed_valid clocks last_clock"},
     },
 }
 

@@ -138,6 +138,19 @@ def test_eight_converters_are_wired_as_the_page_says():
     assert (at["adc_convst_o"], at["adc_reset_o"], at["adc_cs_n_o"]) == ("J1 GP8", "J1 GP9", "J1 GP10")
 
 
+@pytest.mark.parametrize("lanes", [1, 8])
+def test_an_ad7606c_has_an_input_for_its_registers(lanes):
+    """On a ULX3S: CS, SCLK, CONVST, RESET, BUSY, DIN, and a line for each DOUT, by its letter."""
+    plan = pins.assign(pins.description("ulx3s"), "x", {"Adc": 6, "AdcLanes": lanes, "ClkKhz": 25_000})
+    found = {row["port"]: row["what"] for row in plan.rows() if row["port"].startswith("adc_")}
+    names = ["adc_miso_i"] if lanes == 1 else [f"adc_miso_i[{k}]" for k in range(lanes)]
+    outputs = {name: f"DOUT{letter} of the converter" for name, letter in zip(names, "ABCDEFGH")}
+    inputs = {"cs_n_o": "CS", "sclk_o": "SCLK", "convst_o": "CONVST", "reset_o": "RESET", "mosi_o": "DIN"}
+    assert found == outputs | {f"adc_{port}": f"{name} of the converter" for port, name in inputs.items()} | {
+        "adc_busy_i": "BUSY of the converter"
+    }
+
+
 def test_status_pins_are_the_preferred_ones_then_free_ones_then_none():
     """A ULX3S prefers GN9 and GN10; a Tang Nano has 16 pins and no preference. An AD7606 takes 8 with both
     lanes."""
@@ -340,7 +353,13 @@ def test_a_users_file_does_not_take_a_named_ones_folder(tmp_path):
     assert boards.label("mine.toml") == "mine"
 
 
-LINTED = [("ulx3s", "two"), ("ulx3s", "groups"), ("icebreaker", "lanes"), ("icebreaker", "each")]
+LINTED = [
+    ("ulx3s", "two"),
+    ("ulx3s", "three"),
+    ("ulx3s", "groups"),
+    ("icebreaker", "lanes"),
+    ("icebreaker", "each"),
+]
 
 
 @pytest.mark.parametrize("board, name", LINTED)

@@ -1,6 +1,6 @@
-"""A user's configuration with two converters on a board's top, from its pins to its serial line: an MCP3208
-model written from the data sheet at each DOUT, a terminal at tx_o. Every taxel of the image is the code of
-its own converter, channel and row; the codes are literals, all different."""
+"""A user's configuration with two or three converters on a board's top, from its pins to its serial line: an
+MCP3208 model written from the data sheet at each DOUT, a terminal at tx_o. Every taxel of the image is the
+code of its own converter, channel and row; the codes are literals, all different."""
 
 import os
 
@@ -17,10 +17,23 @@ from meissner.twins.link import packet as p
 from meissner.twins.link.decoder import Decoder
 
 BIT_PS = 333_333  # 3 Mbaud
-# [converter][channel][row]; the two converters share no code.
-CODES = [[[101, 1102], [203, 1204]], [[2305, 3306], [2407, 3408]]]
-# Column = 2 × channel + converter; one line per row, top to bottom.
-IMAGE = [101, 2305, 203, 2407, 1102, 3306, 1204, 3408]
+# By the number of converters: codes [converter][channel][row], all different, and the image, row by row.
+CODES = {
+    # Column = 2 × channel + converter.
+    2: (
+        [[[101, 1102], [203, 1204]], [[2305, 3306], [2407, 3408]]],
+        [101, 2305, 203, 2407, 1102, 3306, 1204, 3408],
+    ),
+    # Column = 3 × channel + converter; columns 10 and 11 are none.
+    3: (
+        [
+            [[11, 12], [13, 14], [15, 16], [17, 18]],
+            [[21, 22], [23, 24], [25, 26], [27, 28]],
+            [[31, 32], [33, 34], [35, 36], [37, 38]],
+        ],
+        [11, 21, 31, 13, 23, 33, 15, 25, 35, 17, 12, 22, 32, 14, 24, 34, 16, 26, 36, 18],
+    ),
+}
 
 
 async def mcp3208(dut, converter, miso, code_of):
@@ -58,12 +71,13 @@ async def terminal(dut, received):
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
-async def both_converters_arrive(dut):
+async def every_converter_arrives(dut):
     dut.rx_i.value, dut.moving_i.value, dut.adc_miso_i.value = 1, 0, 0
-    miso, received, decoder, images = [0, 0], [], Decoder(), []
+    codes_of, image = CODES[len(dut.adc_miso_i)]
+    miso, received, decoder, images = [0] * len(codes_of), [], Decoder(), []
     cocotb.start_soon(Clock(dut.clk_25m_i, 40, "ns").start())
     row = lambda: {0b01: 0, 0b10: 1}[int(dut.row_o.value)]
-    for converter, codes in enumerate(CODES):
+    for converter, codes in enumerate(codes_of):
         code_of = lambda channel, codes=codes: codes[channel][row()]
         cocotb.start_soon(mcp3208(dut, converter, miso, code_of))
     cocotb.start_soon(terminal(dut, received))
@@ -74,7 +88,7 @@ async def both_converters_arrive(dut):
                 images.append(list(packet.fields["taxels"]))
         received.clear()
     # The first frame may have begun before its first codes were available; the others are complete.
-    assert images[1:3] == [IMAGE, IMAGE]
+    assert images[1:3] == [image, image]
     assert (dut.onboard_cs_n_o.value, dut.onboard_sclk_o.value) == (1, 1)
 
 
@@ -105,6 +119,6 @@ def simulate(name, module, tmp_path):
     return bench.passed(results, name)
 
 
-@pytest.mark.parametrize("name", ["two"])
+@pytest.mark.parametrize("name", ["two", "three"])
 def test_two_converters(name, tmp_path):
-    assert simulate(name, "boards.test_two_converters", tmp_path) == ["both_converters_arrive"]
+    assert simulate(name, "boards.test_two_converters", tmp_path) == ["every_converter_arrives"]

@@ -72,6 +72,11 @@ USERS = {  # name: (text for a given clock, lines on the headers)
         lambda mhz: array(mhz, "MCP3208", 2, 4, 2, 2),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 2},
     ),
+    # Ten columns on three converters: the last beat of a row has one.
+    "three": (
+        lambda mhz: array(mhz, "MCP3208", 2, 10, 3, 4),
+        SPI | {"adc_mosi_o": 1, "adc_miso_i": 3, "row_o": 2},
+    ),
     # 16 columns in four groups of 2 converters × 2 channels; 16 rows as a number and an enable.
     "groups": (
         lambda mhz: array(mhz, "MCP3208", 16, 16, 2, 2, rate_hz=5.0),
@@ -87,11 +92,11 @@ USERS = {  # name: (text for a given clock, lines on the headers)
         BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 8},
     ),
     "nine": (
-        lambda mhz: array(mhz, "AD7606", 9, 7, 1, 7),
-        BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 5},
+        lambda mhz: array(mhz, "AD7606C-16", 9, 7, 1, 7, lanes=4),
+        BUSY | {"adc_mosi_o": 1, "adc_busy_i": 1, "adc_miso_i": 4, "row_o": 5},
     ),
     "max": (
-        lambda mhz: array(mhz, "MAX11125", 3, 4, 2, 2),
+        lambda mhz: array(mhz, "MAX11131", 3, 4, 2, 2),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 3},
     ),
     "each": (

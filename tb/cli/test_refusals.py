@@ -108,7 +108,9 @@ rows: budget --rows 0; budget --cop4 --rows 0; choose channels --rows 3
 columns: choose electrodes --rows 3 --columns 4
 settle: budget --settle-us nan; budget --settle-us -1; budget --settle-us 2000
 adc: budget --adc abacus; choose channels --adc AD1; choose electrodes --adc MCP3208
-converters: budget --converters 3
+converters: budget --converters 0; budget --converters 9
+adc-lanes: budget --demod --adc max11123 --adc-lanes 2
+lanes: budget --adc-lanes 3; budget --adc-lanes 0; budget --adc ad7606c-16 --adc-lanes 16
 channels: budget --channels 9; choose channels --channels 9
 sclk_khz: budget --sclk-khz 0
 bits-per-clock: budget --bits-per-clock 3

@@ -158,7 +158,7 @@ async def opens_again_when_an_upset_closes_it_inside_a_frame(dut):
     assert commits == [0, 0, 0] and ready[-1] == 1
 
 
-EVIDENCE = {}
+EVIDENCE = {"faults": {"inside": ["sensor_array", "u_gate."]}}
 
 
 def test_frame_gate():

@@ -103,6 +103,7 @@ async def rows_end_where_they_end(dut):
 
 EVIDENCE = {
     "equivalence": {"size": {"Rows": 3, "RowBeats": 3}},
+    "faults": {"size": {"Rows": 3, "RowBeats": 3}},
 }
 
 SPACE = lambda draw: {"Rows": draw.randint(1, 8), "RowBeats": draw.randint(1, 8)}

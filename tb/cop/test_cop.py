@@ -137,7 +137,7 @@ async def survives_damage_and_resets(dut):
 
 EVIDENCE = {
     "equivalence": {"size": {"Rows": 3}, "reset_size": {"Rows": 1}, "boxes": True},
-    "faults": {"size": {"Rows": 3}, "settle": 3},
+    "faults": {"size": {"Rows": 3}, "settle": 4},
     "icarus": {"runs": {"Lanes": 1}},
 }
 
@@ -150,6 +150,7 @@ EVIDENCE = {
         pytest.param(2, 2, 2, 20, 1, marks=pytest.mark.long),
         (9, 1, 1, 4, 2),
         (1, 9, 4, 14, 2),  # three beats, the last with one column
+        (4, 17, 5, 14, 2),
         (1, 1, 1, 14, 2),  # shorter than a division: the input stalls
         (1024, 1024, 8, 14, 1),
     ],
@@ -162,3 +163,4 @@ def test_cop(rows, columns, lanes, fraction_bits, bits_per_clock):
 def test_stated_latency():
     assert latency(lanes=1, fraction_bits=14, bits_per_clock=2) == 11
     assert latency(lanes=8, fraction_bits=14, bits_per_clock=1) == 21
+    assert [latency(lanes) for lanes in (2, 3, 4, 5, 6, 7, 8, 16)] == [12, 13, 13, 14, 14, 14, 14, 15]

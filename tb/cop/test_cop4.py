@@ -218,16 +218,46 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(samples), FIELDS, drain=80) == expected
 
 
+@bench.applies(lambda dut: hasattr(dut, "u_load") and hasattr(dut.u_load, "u_divide"))
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def goes_on_after_an_upset_of_a_divider(dut):
+    """A quotient lost, one too many or one too early, samples back to back: the last results are right."""
+    bits, _ = parameters(dut)
+    registers = register_sets(bits)[0]
+    fix = correction_of(dut, registers, 1)
+    samples = around(np.random.default_rng(bench.SEED), registers, bits, 20)[-45:]
+    expected = expected_of(samples, registers, bits, fix)
+    await bench.start(dut, **ports(registers, fix))
+
+    async def upset(divider, name, clocks):
+        await bench.clocks(dut, clocks)
+        register = getattr(divider, name)
+        register.value = 1 - bench.read(register)
+
+    dividers = [ratio.u_divide for ratio in (dut.u_x, dut.u_y, dut.u_load)]
+    for divider, name, late in product(dividers, ("turn", "out_valid_o"), range(0, 20, 3)):
+        await bench.reset(dut)
+        cocotb.start_soon(upset(divider, name, 150 + late))
+        got = await bench.stream(dut, beats_of(samples), FIELDS, drain=150)
+        assert got[-20:] == expected[-20:], (divider._path, name, late)
+
+
 # The block holds several samples.
 EVIDENCE = {
     "equivalence": {"boxes": True},
-    "faults": {"settle": 8},
+    "faults": {"settle": 14, "more": [{"Correct": 1}]},
 }
 
 
 @pytest.mark.parametrize("bits, per_clock, correct", [(17, 2, 0), (9, 1, 0), (17, 2, 1), (12, 1, 1)])
 def test_cop4(bits, per_clock, correct):
     bench.run("cop", "cop4", {"SampleBits": bits, "BitsPerClock": per_clock, "Correct": correct})
+
+
+@pytest.mark.parametrize("correct", [0, 1])
+def test_goes_on_after_an_upset(correct):
+    size = {"SampleBits": 12, "BitsPerClock": 2 - correct, "Correct": correct}
+    bench.run("cop", "cop4", size, "goes_on", inside=("msn_divide", "msn_divide.turn"))
 
 
 @pytest.mark.parametrize("bits", [4, 9, 17, 24])

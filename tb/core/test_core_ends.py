@@ -289,4 +289,4 @@ def test_samples_have_at_most_seventeen_bits(bits, kind):
 def test_a_single_sensor_has_one_converter(kind):
     """The pins of a second one would be undriven."""
     said = bench.refuses("core", {"Converters": 2, **kind})
-    assert "Converters = 2 must divide Columns = 1, 1 without Array" in said
+    assert "Converters = 2 must lie in 1 .. 8, and be 1 without Array" in said

@@ -27,6 +27,7 @@ PATH = {"Level": SLIP.level, "Window": SLIP.window, "Hop": SLIP.hop}
 SIZES = {
     "rows and columns": {"Rows": 16, "Columns": 32, "Lanes": 8, "RowColumn": 1, "GainShift": 20} | PATH,
     "taxels": {"Rows": 6, "Columns": 20, "Lanes": 4, "Health": 1, "Tare": 1} | PATH,
+    "five lanes": {"Rows": 4, "Columns": 17, "Lanes": 5, "Health": 1, "Tare": 1} | PATH,
     "cop alone": {
         "Rows": 16,
         "Columns": 32,
@@ -98,7 +99,7 @@ async def begin(dut, stall=0.0):
 async def send(dut, frames, lanes, gap=0.0, between=0):
     draw = random.Random(f"{bench.SEED} source")
     for frame in frames:
-        beats = frame.reshape(-1, lanes)
+        beats = np.pad(frame, ((0, 0), (0, -frame.shape[1] % lanes)), constant_values=999).reshape(-1, lanes)
         for n, beat in enumerate(beats):
             while draw.random() < gap:
                 await RisingEdge(dut.clk_i)

@@ -20,15 +20,15 @@ module cover_adc_spi #(
   input logic       out_user_o,
   input logic       out_last_o
 );
-  // Kinds: 0 a CS per channel (MCP3208), 1 with BUSY (AD7606), 2 tagged answers (MAX1112x).
-  localparam int unsigned Kind = (Part <= 2) ? Part - 1 : 2;
+  // Kinds: 0 a CS per channel (MCP3208), 1 with BUSY (AD7606), 2 tagged answers (MAX1112x), 3 BUSY and setup (AD7606C).
+  localparam int unsigned Kind = (Part <= 2) ? Part - 1 : (Part == 6) ? 3 : 2;
   // States of each kind, one bit each: Reset, Setup, Idle, BusyRise, BusyFall, Read, from bit 0.
-  localparam logic [2:0][5:0] States = {6'b100111, 6'b111101, 6'b100100};
+  localparam logic [3:0][5:0] States = {6'b111111, 6'b100111, 6'b111101, 6'b100100};
   localparam logic [2:0] Reset = 3'd0, Idle = 3'd2;
 
   logic reset_q;
   always_ff @(posedge clk_i) reset_q <= rst_i;
-  for (genvar kind = 0; kind <= 2; kind++) begin : gen_kind
+  for (genvar kind = 0; kind <= 3; kind++) begin : gen_kind
     for (genvar s = 0; s <= 5; s++) begin : gen_state
       if (States[kind][s]) begin : gen_has
         logic here;
@@ -36,7 +36,7 @@ module cover_adc_spi #(
         `BIN(seen, here && !rst_i)
         `BIN(cleared, here && rst_i)
         `BIN(off, here && !rst_i && !cfg_enable_i)
-        if (3'(s) != Reset && !(kind == 2 && s == 1)) begin : gen_frames  // none before a part is ready
+        if (3'(s) != Reset && !(kind >= 2 && s == 1)) begin : gen_frames  // none before a part is ready
           `BIN(held, here && !rst_i && out_valid_o && !out_ready_i)
           if (3'(s) != Idle) begin : gen_busy
             `BIN(overrun, here && !rst_i && tick)
@@ -61,6 +61,8 @@ module cover_adc_spi #(
   `BIN(setup_again, !rst_i && !reset_q && state_q == 3'd1 && tick)
   `BIN(one_lane, Kind == 1 && convert_o && Lanes == 1)
   `BIN(two_lanes, Kind == 1 && convert_o && Lanes == 2)
+  `BIN(four_lanes, Kind == 3 && convert_o && Lanes == 4)
+  `BIN(eight_lanes, Kind == 3 && convert_o && Lanes == 8)
 endmodule
 
 bind msn_adc_spi cover_adc_spi #(.Part(Part), .Lanes(Lanes), .Trigger(Trigger)) u_cover (.state_q(3'(state_q)), .*);

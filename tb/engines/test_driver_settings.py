@@ -201,8 +201,11 @@ def test_registers_of_slip_from_the_load():
 @pytest.mark.parametrize(
     "part, level, offered",
     # At 4 MHz half an SCLK is one clock: by docs/adc.md a sample comes 2·19 clocks after convert start, or 3
-    # + 2·16 after BUSY, which lasts 16.
-    [("MCP3208", 1, 38), ("MCP3208", 2, 38), ("MCP3208", 3, 38), ("AD7606", 1, 51), ("AD7606", 3, 51)],
+    # + 2·16 after BUSY, which lasts 16, or 2 with an AD7606C.
+    [
+        *(("MCP3208", 1, 38), ("MCP3208", 2, 38), ("MCP3208", 3, 38), ("AD7606", 1, 51), ("AD7606", 3, 51)),
+        ("AD7606C-16", 1, 37),
+    ],
 )
 def test_latencies_at_the_pins(part, level, offered):
     """A decision comes level + 5 clocks after its sample; the report gives exactly that number."""

@@ -40,8 +40,9 @@ module formal_adc_spi #(
 
   // ps, at the voltages of docs/adc.md: SCLK low and high, its period, CS to the first edge, CS high.
   localparam bit              Mcp3208 = Part == msn_pkg::AdcMcp3208;
-  localparam longint unsigned Period  = Mcp3208 ? 500_000 : 68_966;
-  localparam longint unsigned Level   = Mcp3208 ? 250_000 : 27_587;
+  localparam bit              Ad7606c = Part == msn_pkg::AdcAd7606c;
+  localparam longint unsigned Period  = Mcp3208 ? 500_000 : Ad7606c ? 16_667 : 68_966;
+  localparam longint unsigned Level   = Mcp3208 ? 250_000 : Ad7606c ? 6_667 : 27_587;
   localparam longint unsigned Lead    = Mcp3208 ? 100_000 : 0;
   localparam longint unsigned Rest    = Mcp3208 ? 500_000 : 22_000;
   localparam int unsigned     Half    = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
@@ -58,7 +59,7 @@ module formal_adc_spi #(
 
   // What proof `spi_shift` assumes: its parameters, and when a word starts.
   logic reading;
-  assign reading = dut.u_shift.run_q;
+  assign reading = dut.running;
   always_comb begin
     if (!started) assume (rst_i);
     assert (Tagged || (Clock * Half >= Level && Clock * Half >= Lead));
@@ -80,7 +81,8 @@ module formal_adc_spi #(
   localparam int unsigned KeptBits   = msn_adc_pkg::kept_bits(Part);
   localparam int unsigned DataBits   = msn_adc_pkg::data_bits(Part);
   localparam int unsigned WatchBits  = msn_adc_pkg::watch_bits(Part, ClkKhz);
-  localparam int unsigned Start      = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned Rests      = msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned Start      = msn_pkg::clocks_of_ns(msn_adc_pkg::reset_ns(Part), ClkKhz) + Rests;
   localparam int unsigned StartBits  = msn_pkg::index_width(Start);
   localparam logic [2:0]  Reset = 3'd0, Setup = 3'd1, Idle = 3'd2, Rise = 3'd3, Fall = 3'd4, Read = 3'd5;
   logic [2:0]            state;
@@ -90,12 +92,12 @@ module formal_adc_spi #(
   logic [7:0]            word, words, code;  // code: the store's number of this word
   logic [15:0]           command;
   logic                  sets_up, asks_setup, stores, wrong;
-  logic                  busy_1, busy_2, busy_3, drop, bad, over, ready, tick, waits, gives_up, ends, resumes;
+  logic                  busy_1, busy_2, busy_3, drop, bad, open, over, ready, tick, waits, gives_up, ends, resumes;
   logic                  convert_due, lost_due, reset_due, convst_due, rises, falls;
   logic [31:0]           dropped, overrun, timeout, mistagged, over_range;
   assign tick     = cfg_enable_i && (Trigger ? trigger_i : ready && left == '0);
-  assign waits    = state == Rise || state == Fall;
-  assign gives_up = HasBusy && waits && watch == '1;
+  assign waits    = HasBusy && (state == Rise || state == Fall);
+  assign gives_up = waits && watch == '1;
   assign rises    = busy_2 && !busy_3;
   assign falls    = state == Fall && !busy_2;
   assign ends     = state == Read && dut.done && word == '0;
@@ -107,12 +109,12 @@ module formal_adc_spi #(
   assign code     = Tagged ? word - 1'b1 : word;
   assign wrong    = Tagged && stores && 8'(dut.kept[KeptBits-1-:4]) != code;
   assign asks_setup = sets_up || (state == Setup && !(dut.done && word == '0));
-  assign command  = asks_setup ? msn_adc_pkg::setup_word(Part, 3'(word)) : msn_adc_pkg::command(Part, 3'(word));
+  assign command  = asks_setup ? msn_adc_pkg::setup_word(Part, Lanes, 3'(word)) : msn_adc_pkg::command(Part, 3'(word));
   always_ff @(posedge clk_i) begin
     {busy_3, busy_2, busy_1} <= {busy_2, busy_1, adc_busy_i};
     left  <= !(cfg_enable_i && ready) ? '0 : tick ? cfg_period_i - 1'b1 : left - 1'b1;
     watch <= waits ? watch + 1'b1 : '0;
-    start <= start - 1'b1;
+    start <= (state == Reset) ? start - 1'b1 : StartBits'(Start - 1);
     ready <= ready || state == Idle;
     case (state)
       Reset:   if (start == '0) state <= (SetupWords != 0) ? Setup : Idle;
@@ -125,11 +127,13 @@ module formal_adc_spi #(
     if (dut.word) word <= (word == words - 1'b1) ? '0 : word + 1'b1;
     if (convert_o) drop <= dut.pending;
     if (wrong) bad <= 1'b1;
-    if (state == Idle && tick) bad <= 1'b0;
+    if (stores && word == words - 1'b1 && !drop && !bad && !wrong) open <= 1'b0;
+    if (ends || gives_up) open <= 1'b0;
+    if (state == Idle && tick) {open, bad} <= 2'b10;
     over        <= out_valid_o && out_ready_i && out_user_o;
     convert_due <= state == Idle && tick;
     lost_due    <= (ends && (drop || bad)) || gives_up || (tick && state != Idle);
-    reset_due   <= HasReset && state == Reset && 32'(start) >= Start / 2;
+    reset_due   <= HasReset && state == Reset && 32'(start) >= Rests;
     convst_due  <= ((state == Idle && tick && HasBusy) || (waits && !gives_up && !falls)) && !watch[WatchBits-1];
     dropped     <= dropped + 32'(ends && drop);
     mistagged   <= mistagged + 32'(ends && bad && !drop);
@@ -142,6 +146,7 @@ module formal_adc_spi #(
       start       <= StartBits'(Start - 1);
       left        <= '0;
       word        <= '0;
+      open        <= 1'b0;
       over        <= 1'b0;
       convert_due <= 1'b0;
       lost_due    <= 1'b0;
@@ -151,10 +156,11 @@ module formal_adc_spi #(
     end
   end
   always_comb begin
-    if (!started) begin  // both begin in the same state, which is arbitrary
-      assume (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
+    if (!started) begin  // both begin in the same state, which is arbitrary, but one that can occur
+      assume (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.open_q == open && dut.watch_q == watch);
       assume (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3 && dut.ready_q == ready);
       assume (dut.left_q == left && 32'(dut.word_q) == 32'(word) && state <= Read && (SetupWords != 0 || state != Setup));
+      assume (reading == (state == Setup || state == Read) && (open || !waits));
     end
     if (started) begin
       assert (convert_o == convert_due && lost_o == lost_due && adc_reset_o == reset_due && adc_convst_o == convst_due);
@@ -168,19 +174,21 @@ module formal_adc_spi #(
       if (stores) assert (8'(dut.u_store.in_word_i) == code);
       assert (dut.u_store.in_data_i == (Tagged ? (Lanes * DataBits)'(dut.kept[11-:DataBits]) : dut.kept));
       // Invariant.
-      assert (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
+      assert (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.open_q == open && dut.watch_q == watch);
       assert (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3);
       assert (dut.left_q == left && 32'(dut.word_q) == 32'(word) && word < words && dut.over_q == over);
       assert (dut.start_q == start && (ready || (NeedsStart && state <= Idle)));
       if (!NeedsStart) assert (state != Reset);
       if (state != Setup && state != Read) assert (word == '0);
+      // A frame is open until its last word, and until its end if that word is not sent.
+      assert (open == (waits || (state == Read && (word != '0 || !adc_cs_n_o || drop || bad))));
     end
   end
 
   // What proof `adc_store` assumes: a word arrives only for channels whose samples have left. A frame is not dropped
   // only if all samples had left when it began, so that meanwhile only channels of its earlier words hold samples.
   // Frames of tagged parts are sent after their last word: no channel holds a sample meanwhile.
-  localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Part) : Channels;
+  localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Lanes) : Channels;
   logic [Channels-1:0] held, meant;
   logic                comes;  // words of this frame may still arrive
   assign held  = dut.u_store.full_q;

@@ -32,6 +32,7 @@ module formal_cop_accumulate #(
   msn_cop_accumulate #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes)) dut (.*);
 
   localparam int unsigned Levels  = $clog2(Lanes);
+  localparam int unsigned Leaves  = 1 << Levels;
   localparam int unsigned Beats   = (Columns + Lanes - 1) / Lanes;
   localparam int unsigned Wide    = SumBits + 1;
   localparam bit          OneBeat = Rows == 1 && Beats == 1;
@@ -113,7 +114,7 @@ module formal_cop_accumulate #(
       along   <= columns[Levels] + 21'd1;
       sum     <= carried + total;
       row_sum <= left + Long'(total);
-      a       <= (opens ? '0 : a) + (left << Levels) + inner;
+      a       <= (opens ? '0 : a) + left * Long'(Lanes) + inner;
       b       <= (opens ? '0 : b) + (((columns[Levels] == '0) && !opens) ? Long'(sum) : '0);
     end
     if (step) due <= valid[Levels] && whole[Levels];
@@ -151,7 +152,7 @@ module formal_cop_accumulate #(
   // Invariant: beats follow each other, and n of them have a sum of at most n Lanes 65535.
   logic [20:0]     expected [Levels+1], follows [Levels+1];
   logic [Wide-1:0] most;
-  assign most = (Wide'(reached) << (16 + Levels)) - (Wide'(reached) << Levels);
+  assign most = Wide'(reached) * Wide'(Lanes * 65535);
   assign expected[Levels] = known ? reached : '0;
   assign follows[Levels]  = known ? along : '0;
   for (genvar l = 1; l <= Levels; l++) begin : gen_chain
@@ -184,24 +185,27 @@ module formal_cop_accumulate #(
       if (known) begin
         assert (reached != '0 && reached <= 21'(Rows * Beats) && sum <= most && sum == Wide'(dut.sum));
         assert (MxBits'(a) << 1 == {dut.moment_a, 1'b0} && MyBits'(b) << 1 == {dut.moment_b, 1'b0});
-        assert (along != '0 && along <= 21'(Beats) && along <= reached && row_sum == Long'(dut.row_total));
-        assert (row_sum <= (Long'(along) << (16 + Levels)) - (Long'(along) << Levels));
+        assert (along != '0 && along <= 21'(Beats) && along <= reached);
+        assert (row_sum * Long'(dut.Odd) == Long'(dut.row_total) && row_sum <= Long'(along) * Long'(Lanes * 65535));
       end
     end
   end
 
-  // The tree: every node has the sum and the moment of its lanes, delayed by its level.
+  // The tree: every node has the sum and the moment of its lanes, delayed by its level; lanes that fill it up are 0.
+  always_comb if (started && valid[Levels]) assert (Long'(dut.odd_total) == Long'(dut.Odd) * Long'(total));
   for (genvar l = 0; l < Levels; l++) begin : gen_lanes
-    for (genvar i = 0; i < Lanes >> (l + 1); i++) begin : gen_node
+    logic [Leaves*16-1:0] filled;
+    assign filled = (Leaves*16)'(lanes[l+1]) << (16 * (Leaves - Lanes));
+    for (genvar i = 0; i < Leaves >> (l + 1); i++) begin : gen_node
       logic [Wide-1:0] part;
       logic [Long-1:0] moment;
       owed_sum #(.Count(2 << l), .Width(Wide), .Long(Long)) u_part (
-        .data_i(lanes[l+1][16*(2<<l)*i+:16*(2<<l)]), .sum_o(part), .moment_o(moment)
+        .data_i(filled[16*(2<<l)*i+:16*(2<<l)]), .sum_o(part), .moment_o(moment)
       );
       always_comb begin
         if (started && valid[l+1]) begin
-          assert (Wide'(dut.total[(Lanes>>(l+1))+i]) == part);
-          assert (Long'(dut.inner[(Lanes>>(l+1))+i]) == moment);
+          assert (Wide'(dut.total[(Leaves>>(l+1))+i]) == part);
+          assert (Long'(dut.inner[(Leaves>>(l+1))+i]) == moment);
         end
       end
     end

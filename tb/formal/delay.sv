@@ -31,8 +31,8 @@ module formal_delay #(
     owed_delay #(.Depth(Depth), .Width(Width)) u_owed (
       .clk_i, .rst_i, .step_i, .catch_i, .in_data_i, .out_data_i(out_data_o),
       .line_i('0), .slot_i(dut.gen_ring.slot), .newest_i(dut.gen_ring.newest),
-      .oldest_i(dut.gen_ring.oldest), .oldest_q_i(dut.gen_ring.oldest_q),
-      .word_i(dut.gen_ring.ring[slot]), .slot_o(slot), .age_o(age), .kept_o(kept)
+      .oldest_i(dut.gen_ring.u_ring.fetched), .oldest_q_i(dut.gen_ring.oldest),
+      .word_i(dut.gen_ring.u_ring.memory[slot]), .slot_o(slot), .age_o(age), .kept_o(kept)
     );
     // Reading a place in the clock in which it is written is undefined: this never happens.
     logic ran = 1'b0;

@@ -79,19 +79,13 @@ module formal_frame_table #(
       if (advances != 2'd0) assert (dut.spoilt == spoilt_read);
     end
   end
-  localparam int unsigned Depth     = Words * Banks;
-  localparam int unsigned SliceBits = (Depth <= 512)  ? 36 : (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
-                                      (Depth <= 4096) ? 4  : (Depth <= 8192) ? 2  : 1;
   for (genvar p = 0; p < Parts; p++) begin : gen_part
-    for (genvar low = 0; low < PartBits; low += SliceBits) begin : gen_slice
-      localparam int unsigned Bits = (PartBits - low < SliceBits) ? PartBits - low : SliceBits;
-      always_comb begin
-        if (!started) assume (dut.gen_part[p].gen_slice[low].memory[at] == value[p*PartBits+low+:Bits]);
-        if (started) begin
-          assert (dut.gen_part[p].gen_slice[low].memory[at] == value[p*PartBits+low+:Bits]);
-          if (ours_read && !spoilt_read && advances != 2'd0) begin
-            assert (dut.gen_part[p].gen_slice[low].read == value_read[p*PartBits+low+:Bits]);
-          end
+    always_comb begin
+      if (!started) assume (dut.gen_part[p].u_words.memory[at] == value[p*PartBits+:PartBits]);
+      if (started) begin
+        assert (dut.gen_part[p].u_words.memory[at] == value[p*PartBits+:PartBits]);
+        if (ours_read && !spoilt_read && advances != 2'd0) begin
+          assert (dut.gen_part[p].u_words.fetched == value_read[p*PartBits+:PartBits]);
         end
       end
     end

@@ -92,9 +92,6 @@ module formal_image_store #(
   end
 
   // Invariant.
-  localparam int unsigned Depth     = 2 << AddressBits;
-  localparam int unsigned SliceBits = (Depth <= 1024) ? 16 : (Depth <= 2048) ? 8 : (Depth <= 4096) ? 4 :
-                                      (Depth <= 8192) ? 2 : 1;
   always_comb begin
     if (started) begin
       assert ((long || 17'(dut.place) == place) && 32'(place) < Taxels && dut.dropping == long && dut.held == whole);
@@ -104,13 +101,11 @@ module formal_image_store #(
       if (place != '0 || whole) assert (dut.written_time == moment);
     end
   end
-  for (genvar low = 0; low < 16; low += SliceBits) begin : gen_slice
-    always_comb begin
-      if (started) begin
-        if (place > watch || whole) assert (dut.gen_slice[low].memory[{dut.bank, watch_i}] == taxel[low+:SliceBits]);
-        if (valid) assert (dut.gen_slice[low].memory[{!dut.bank, watch_i}] == shown[low+:SliceBits]);
-        if (fetched_known) assert (dut.gen_slice[low].fetched == fetched[low+:SliceBits]);
-      end
+  always_comb begin
+    if (started) begin
+      if (place > watch || whole) assert (dut.u_taxels.memory[{dut.bank, watch_i}] == taxel);
+      if (valid) assert (dut.u_taxels.memory[{!dut.bank, watch_i}] == shown);
+      if (fetched_known) assert (dut.u_taxels.fetched == fetched);
     end
   end
 

@@ -110,8 +110,9 @@ module formal_scan #(
   for (genvar l = 0; l < Lanes; l++) begin : gen_lane
     assign data[l*SampleBits+:SampleBits] = in_data_i[l*SampleBits+:SampleBits] & {SampleBits{!lost[l]}};
   end
-  // Where Channels is not a power of two, there is only one group.
-  assign place = ((Channels & (Channels - 1)) == 0 ? 32'(dut.done_group) * Channels : 32'd0) + 32'(come_channel);
+  // A group's number that cannot occur is ignored where there is one group of another number than 2^n of channels.
+  localparam bit Counts = Beats > Channels || (Channels & (Channels - 1)) == 0;
+  assign place = (Counts ? 32'(dut.done_group) * Channels : 32'd0) + 32'(come_channel);
   always_ff @(posedge clk_i) begin
     lost    <= in_lost_i | ((beat && last) ? '0 : lost);
     channel <= trigger_o ? '0 : !beat ? channel : last ? '0 : channel + 1'b1;

@@ -21,7 +21,7 @@ module formal_spi_shift #(
   input logic [Lanes-1:0]    spi_miso_i
 );
 
-  logic                      word_o, done_o, spi_cs_n_o, spi_sclk_o, spi_mosi_o;
+  logic                      word_o, run_o, done_o, spi_cs_n_o, spi_sclk_o, spi_mosi_o;
   logic [Lanes*DataBits-1:0] data_o;
   msn_spi_shift #(
     .Bits(Bits), .DataBits(DataBits), .Lanes(Lanes), .Half(Half), .IdleHigh(IdleHigh), .Lead(Lead)
@@ -94,7 +94,7 @@ module formal_spi_shift #(
   localparam int unsigned HalfBits = msn_pkg::index_width(Half);
   always_comb begin
     if (started) begin
-      assert (dut.run_q == busy);
+      assert (run_o == busy);
       if (!risen) assert (!busy || at == '0);
       if (busy) begin
         assert (at < 12'(2 * Half) && (tail || index < 8'(Bits)));

@@ -5,7 +5,7 @@ import subprocess
 import pytest
 
 from meissner.builds import toolchain
-from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, AdcSpi
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11125, MAX11131, MCP3208, AdcSpi
 
 FRAMES = 200
 HERE = toolchain.ROOT / "tb/frontend"
@@ -23,10 +23,13 @@ def code(frame, channel):
         ("Mcp3208", AdcSpi(MCP3208, channels=8, clk_khz=8_000, sclk_khz=2_000)),
         ("Ad7606", AdcSpi(AD7606, channels=3, clk_khz=25_000)),
         ("Ad7606", AdcSpi(AD7606, channels=7, lanes=2, clk_khz=25_000)),
+        ("Ad7606c", AdcSpi(AD7606C, channels=7, lanes=4, clk_khz=25_000)),
+        ("Ad7606c", AdcSpi(AD7606C, channels=3, clk_khz=25_000)),
         ("Max11123", AdcSpi(MAX11123, channels=8, clk_khz=25_000)),
+        ("Max11131", AdcSpi(MAX11131, channels=8, clk_khz=100_000)),
         ("Max11125", AdcSpi(MAX11125, channels=3, clk_khz=25_000, sclk_khz=3_000)),
     ],
-    ids=["mcp3208", "ad7606", "ad7606-2", "max11123", "max11125"],
+    ids=["mcp3208", "ad7606", "ad7606-2", "ad7606c-4", "ad7606c", "max11123", "max11131", "max11125"],
 )
 def test_adc_parts(struct, twin):
     build = toolchain.folder_for_make(toolchain.BUILD / f"tb/adc_parts-{struct}-{twin.channels}-{twin.lanes}")

@@ -9,6 +9,7 @@ is checked: a broken limit fails the test.
 """
 
 import random
+from dataclasses import replace
 from itertools import pairwise
 
 import cocotb
@@ -19,8 +20,8 @@ from cocotb.utils import get_sim_time
 
 import bench
 from harness.refusals import refusals
-from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MCP3208, PARTS, AdcSpi
-from parts import ad7606, max1112x, mcp3208
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11131, MCP3208, PARTS, AdcSpi
+from parts import ad7606, ad7606c, max1112x, mcp3208
 from parts.timing import TimingViolation, tightened
 
 MCP_RULES = ["t_clk", "t_hi", "t_lo", "t_sucs", "t_csh", "t_su", "t_hd", "t_droop_max"]
@@ -28,10 +29,22 @@ MAX_RULES = ["t_cp", "t_cp_max", "t_ch", "t_cl", "t_css", "t_csw", "t_acq", "t_d
 AD_RULES = ["t_cycle", "t_convst_low", "t_convst_high", "t_busy_cs", "t_sclk", "t_sclk_low", "t_sclk_high"]
 
 
+RULES = {
+    "mcp3208": (mcp3208.Limits(), MCP_RULES),
+    "ad7606": (ad7606.Limits(), AD_RULES),
+    "max11131": (max1112x.FAST, MAX_RULES),
+    "ad7606c-16": (ad7606c.Limits(), [*AD_RULES, "t_csh", "t_css", "t_ds"]),
+}
+
+
 def limits_and_rules(part):
-    if part.tagged:
-        return max1112x.Limits(), MAX_RULES
-    return (mcp3208.Limits(), MCP_RULES) if part is MCP3208 else (ad7606.Limits(), AD_RULES)
+    return RULES.get(part.name, (max1112x.Limits(), MAX_RULES))
+
+
+def any_cycle(dut):
+    """Limits of a part that may convert again at once; None for a part without a shortest cycle."""
+    part = PARTS[dut.Part.value.to_unsigned()]
+    return replace(limits_and_rules(part)[0], t_cycle=0) if part.has_busy else None
 
 
 class Codes:
@@ -58,8 +71,8 @@ class Codes:
 class Harness:
     """The master, its part, and a record of all events by clock."""
 
-    def __init__(self, dut, limits=None, report=None, conversion_ns=None):
-        self.dut = dut
+    def __init__(self, dut, limits=None, report=None, conversion_ns=None, upset=False):
+        self.dut, self.upset = dut, upset
         value = lambda name: getattr(dut, name).value.to_unsigned()
         self.twin = AdcSpi(
             PARTS[value("Part")],
@@ -74,10 +87,13 @@ class Harness:
             make = lambda: mcp3208.Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, codes, limits, report)
         elif self.twin.part.tagged:
             pins += [dut.adc_mosi_o, dut.adc_miso_i, self.twin.part.data_bits]
+            limits = limits or limits_and_rules(self.twin.part)[0]
             make = lambda: max1112x.Max1112x(*pins, codes, limits, report)
         else:
+            pins += [dut.adc_mosi_o] * bool(self.twin.part.setup)
             pins += [dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, dut.adc_reset_o]
-            make = lambda: ad7606.Ad7606(*pins, codes, limits, report, conversion_ns)
+            model = ad7606c.Ad7606c if self.twin.part.setup else ad7606.Ad7606
+            make = lambda: model(*pins, codes, limits, report, conversion_ns)
         self.make = make
         self.clock = -1
         self.converts = []  # clocks of convert_o
@@ -94,7 +110,7 @@ class Harness:
         Clock(dut.clk_i, 1_000_000_000 // self.twin.clk_khz, unit="ps").start()
         await bench.clocks(dut, 3)
         self.part = self.make()
-        if self.twin.part is MCP3208:
+        if self.twin.part is MCP3208 and not self.upset:
             cocotb.start_soon(self.hear_commands())
         await bench.clocks(dut, 3)
         dut.rst_i.value = 0
@@ -143,7 +159,7 @@ class Harness:
                 self.converts.append(self.clock)
                 self.times.append(get_sim_time("ps") / 1000)
                 launched = bench.high(convst) if has_busy else cs_n.value == 0
-                assert launched, "convert_o without a conversion"
+                assert launched or self.upset, "convert_o without a conversion"
             assert has_busy or bench.read(convst) == 0, "CONVST of a part that has none"
             if bench.high(lost):
                 self.losses.append(self.clock)
@@ -269,6 +285,8 @@ async def counts_on_from_any_value(dut):
     part, often = PARTS[dut.Part.value.to_unsigned()], {"span": 20_000}
     inputs = {"cfg_period_i": 1, "trigger_i": 1, "adc_busy_i": 0, "out_ready_i": 0}
     await bench.start(dut, cfg_enable_i=1, adc_miso_i=(1 << len(dut.adc_miso_i)) - 1, **inputs)
+    while not bench.high(dut.ready_o):
+        await RisingEdge(dut.clk_i)
     await bench.counts_on(dut, "overrun_o", **often)
     if part.has_busy:
         await bench.counts_on(dut, "timeout_o", **often)
@@ -336,9 +354,8 @@ async def latency_is_the_twins(dut):
 async def shortest_period_is_the_twins(dut, short):
     """At the twin's minimum nothing is lost; with a clock less, every second tick or frame is lost and
     counted."""
-    ns = 4017.3
-    limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
-    harness = Harness(dut, limits=limits, conversion_ns=ns)
+    ns = 4017.3 if dut.Part.value.to_unsigned() == AD7606.number else 617.3
+    harness = Harness(dut, limits=any_cycle(dut), conversion_ns=ns)
     await harness.start(harness.twin.minimum_period(ns) - short)
     await harness.frames(12)
     clocks = harness.converts[:]
@@ -374,8 +391,7 @@ async def every_bit_of_a_period_is_waited_for(dut):
 async def a_very_short_period_only_loses_ticks(dut):
     """Ticks every 3 clocks: conversions stay on the grid of 3, frames stay right, the other ticks are
     counted."""
-    limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
-    harness = Harness(dut, limits=limits)
+    harness = Harness(dut, limits=any_cycle(dut))
     await harness.start(3)
     clocks = 6 * harness.twin.safe_period() // 3 * 3
     await harness.run(clocks)
@@ -428,6 +444,53 @@ async def a_new_period_holds_from_the_next_tick(dut):
     assert harness.check() == 0
 
 
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def goes_on_after_an_upset(dut):
+    """In any clock of a frame, of the state (also to codes that no state has), of the shifter and more:
+    every tick gives a complete frame or a loss, and a period later the frames are right and in time."""
+    reports, draw = [], random.Random(bench.SEED)
+    harness = Harness(dut, report=reports.append, upset=True)
+    part, channels = harness.twin.part, harness.twin.channels
+    await harness.start(harness.twin.safe_period() + 13 + len(part.setup) * part.cs_clocks(harness.twin.half))
+    upsets = [(dut.state_q, code) for code in range(8)]
+    upsets += [(each, level) for each in (dut.open_q, dut.bad_q) for level in (0, 1)]
+    upsets += [(each, (1 << len(each)) - 1) for each in (dut.word_q, dut.drop_q)]
+    if hasattr(dut, "u_shift"):
+        upsets += [(each, level) for each in (dut.u_shift.run_o, dut.u_shift.spi_cs_n_o) for level in (0, 1)]
+    for register, value in upsets:
+        for at in (0, 1, 2, *draw.sample(range(3, harness.period), 4)):
+            sent, lost = len(harness.beats), len(harness.losses)
+            await harness.run(at)
+            register.value = value
+            ends = (register._name, value) == ("run_o", 0)  # the frame, and nothing after it
+            await harness.run((1 if ends else 2) * harness.period - at)
+            what = register._name, value, at
+            ids, lost = [beat[2] for beat in harness.beats[sent:]], len(harness.losses) - lost
+            starts = [n for n, channel in enumerate(ids) if channel == 0]
+            pieces = [ids[start:end] for start, end in pairwise([*starts, len(ids)])]
+            whole = pieces.count([*range(channels)])
+            if register._name in ("state_q", "run_o"):
+                assert whole + lost == 2 - ends, what
+                # The words of a plain part go on.
+                assert not (part is MCP3208 and register is dut.state_q and value > 1 and at and lost), what
+            # A setup in mid-frame ends one whose samples leave one by one.
+            cut = register is not dut.state_q or (value == 1 and part.has_busy and part.setup)
+            assert len(pieces) == whole or cut, what
+            if register is dut.state_q and value == 0:  # Reset: the part is reset and set up as after rst_i
+                await harness.run(-(-harness.twin.start_clocks() // harness.period) * harness.period)
+            reports.clear()
+            sent = len(harness.beats)
+            await harness.run(harness.period)
+            assert not reports, (what, reports)
+            if part.has_busy:
+                codes = harness.part.frames[-1][:channels]
+            else:
+                codes = [code for _, code, _ in harness.part.conversions[-channels:]]
+            data, _ = harness.twin.samples(codes)
+            expected = list(zip(data.tolist(), range(channels)))
+            assert [beat[1:3] for beat in harness.beats[sent:]] == expected, what
+
+
 @bench.applies(lambda dut: dut.Channels.value.to_unsigned() == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_long_period_brings_one_frame(dut):
@@ -473,7 +536,7 @@ async def recovers_after_reset(dut, moment):
     await ReadOnly()
     assert (dut.out_valid_o.value, dut.adc_cs_n_o.value, dut.adc_convst_o.value) == (0, 1, 0)
     assert dut.adc_sclk_o.value == int(harness.twin.part is not MCP3208)
-    assert dut.adc_reset_o.value == int(harness.twin.part is AD7606)
+    assert dut.adc_reset_o.value == int(harness.twin.part.has_busy)
     assert harness.counters() == (0, 0, 0, 0)
     await RisingEdge(dut.clk_i)
     dut.rst_i.value = 0
@@ -511,10 +574,10 @@ async def the_first_tick_waits_until_the_part_is_ready(dut):
     await harness.frames(3)
     await harness.stop()
     assert harness.check() == 0
-    if harness.twin.part.tagged:
+    if harness.twin.part.setup:
         asked = [harness.twin.part.command(n) for n in range(harness.twin.words)]
-        assert harness.part.words[:5] == list(harness.twin.part.setup)
-        assert harness.part.words[5 : 5 + len(asked)] == asked
+        setup = harness.twin.part.setup_words(harness.twin.lanes)
+        assert harness.part.words[: len(setup) + len(asked)] == [*setup, *asked]
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -645,8 +708,7 @@ async def tag_shows_a_part_that_lost_its_setup(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def triggers_start_conversions(dut):
     """A conversion starts in the clock after each trigger; each trigger gives samples or one lost_o."""
-    limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
-    harness = Harness(dut, limits=limits)
+    harness = Harness(dut, limits=any_cycle(dut))
     await harness.start(1)  # a period that must not matter
     draw = random.Random(bench.SEED)
     cycle = harness.twin.cycle_clocks()
@@ -701,15 +763,16 @@ async def busy_part_gets_its_reset(dut):
     await harness.start()
     await harness.frames(1)
     assert not reports
-    for rule in ("t_reset", "t_reset_convst"):
+    limits, part = harness.part.limits, harness.twin.part
+    for rule in ("t_reset", "t_reset_convst", *["t_dh"] * bool(part.setup)):
         reports.clear()
-        harness.part.limits = tightened(ad7606.Limits(), rule)
+        harness.part.limits = tightened(limits, rule)
         await bench.reset(dut)
         await harness.run(harness.twin.start_clocks() + 5)
         assert {str(report).split(":")[0] for report in reports} == {rule}
     clock_ns = 1e6 / harness.twin.clk_khz
-    assert harness.part.reset_fell - harness.part.reset_rose >= 100
-    assert harness.part.convst_rose - harness.part.reset_fell >= 100 - clock_ns
+    assert harness.part.reset_fell - harness.part.reset_rose >= part.reset_ns
+    assert harness.part.convst_rose - harness.part.reset_fell >= part.start_ns - clock_ns
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -747,9 +810,9 @@ async def too_slow_a_part_is_misread(dut):
     if harness.twin.part is MCP3208:
         limits = mcp3208.Limits(t_do=late)
     elif harness.twin.part.tagged:
-        limits = max1112x.Limits(t_dot=late)
+        limits = replace(limits_and_rules(harness.twin.part)[0], t_dot=late)
     else:
-        limits = ad7606.Limits(t_sclk_dout=late, t_cs_dout=late)
+        limits = replace(limits_and_rules(harness.twin.part)[0], t_sclk_dout=late, t_cs_dout=late)
     harness = Harness(dut, limits=limits)
     await harness.start()
     await harness.frames(8)
@@ -780,6 +843,13 @@ BUILDS = [
     {"Part": 3, "Channels": 8, "ClkKhz": 8_000, "SclkKhz": 16_000},
     {"Part": 4, "Channels": 1, "ClkKhz": 100_000, "SclkKhz": 16_000},
     {"Part": 5, "Channels": 5, "ClkKhz": 16_000, "SclkKhz": 6_000},
+    {"Part": 7, "Channels": 8, "ClkKhz": 41_000, "SclkKhz": 48_000},
+    {"Part": 6, "Channels": 2, "ClkKhz": 4_000, "SclkKhz": 1_000},
+    pytest.param(
+        {"Part": 6, "Channels": 5, "Lanes": 2, "ClkKhz": 40_000, "SclkKhz": 60_000}, marks=pytest.mark.long
+    ),
+    {"Part": 6, "Channels": 7, "Lanes": 4, "ClkKhz": 8_000, "SclkKhz": 60_000},
+    {"Part": 6, "Channels": 8, "Lanes": 8, "ClkKhz": 6_000, "SclkKhz": 60_000},
 ]
 
 
@@ -797,7 +867,7 @@ EVIDENCE = {
 @pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: "-".join(map(str, p.values())))
 def test_adc_spi(parameters):
     skipped = ["triggers_"]
-    skipped += [] if parameters["Part"] == 2 else ["busy_"]
+    skipped += [] if PARTS[parameters["Part"]].has_busy else ["busy_"]
     skipped += [] if PARTS[parameters["Part"]].tagged else ["tag_"]
     bench.run("frontend", "adc_spi", parameters, test_filter=rf"^(?!.*({'|'.join(skipped)}))")
 
@@ -809,6 +879,7 @@ def test_adc_spi(parameters):
         {"Part": 1, "Channels": 3, "ClkKhz": 25_000, "SclkKhz": 1_000},
         {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
         {"Part": 4, "Channels": 8, "ClkKhz": 25_000, "SclkKhz": 16_000},
+        {"Part": 6, "Channels": 8, "Lanes": 8, "ClkKhz": 6_000, "SclkKhz": 60_000},
     ],
     ids=lambda p: "-".join(map(str, p.values())),
 )
@@ -816,15 +887,30 @@ def test_adc_spi_with_triggers(parameters):
     bench.run("frontend", "adc_spi", parameters | {"Trigger": 1}, test_filter="triggers_")
 
 
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Part": 1, "Channels": 3, "ClkKhz": 8_000, "SclkKhz": 2_000},
+        {"Part": 2, "Channels": 6, "Lanes": 2, "ClkKhz": 12_500, "SclkKhz": 14_500},
+        {"Part": 4, "Channels": 2, "ClkKhz": 16_000, "SclkKhz": 16_000},
+    ],
+    ids=lambda p: "-".join(map(str, p.values())),
+)
+def test_adc_spi_with_upsets_of_its_shifter(parameters):
+    bench.run("frontend", "adc_spi", parameters, test_filter="goes_on_", inside=["msn_spi_shift"])
+
+
 test_refuses_illegal_parameters = refusals(
     "adc_spi",
     lambda part=1, **given: AdcSpi(PARTS.get(part), **given),
-    *({"Part": 0}, {"Part": 6}, {"Channels": 0}, {"Channels": 9}, {"Lanes": 0}, {"Lanes": 2}),
+    *({"Part": 0}, {"Part": 8}, {"Channels": 0}, {"Channels": 9}, {"Lanes": 0}, {"Lanes": 2}),
     *({"ClkKhz": 400_001}, {"SclkKhz": 2_001}, {"SclkKhz": 0}, {"SclkKhz": 9}, {"SampleBits": 12}),
     *({"Lanes": 3, "Part": 2}, {"Lanes": 2, "Part": 2, "Channels": 4}, {"SclkKhz": 14_501, "Part": 2}),
     *({"SclkKhz": 1000, "ClkKhz": 19}, {"SampleBits": 15, "Part": 2}, {"Lanes": 2, "Part": 3}),
     *({"SclkKhz": 16_001, "Part": 3}, {"SclkKhz": 150, "Part": 3}, {"SampleBits": 12, "Part": 5}),
-    {"PeriodBits": 33},
+    *({"Lanes": 3, "Part": 6}, {"Lanes": 16, "Part": 6}, {"Lanes": 8, "Part": 6, "Channels": 1}),
+    *({"SclkKhz": 48_001, "Part": 7}, {"SclkKhz": 470, "Part": 7}, {"Lanes": 2, "Part": 7}),
+    *({"Lanes": 4, "Part": 6, "Channels": 2}, {"SclkKhz": 60_001, "Part": 6}, {"PeriodBits": 33}),
 )
 
 
@@ -838,9 +924,9 @@ def test_twin_knows_every_code(part):
 
 
 def test_twin_knows_every_command():
-    """Start bit, single-ended, channel; the AD7606 has no DIN."""
+    """Start bit, single-ended, channel; the AD7606 has no DIN, an AD7606C keeps sending while it reads 0."""
     assert [f"{MCP3208.command(n):016b}" for n in range(8)] == [f"11{n:03b}" + 11 * "0" for n in range(8)]
-    assert [AD7606.command(n) for n in range(8)] == [0] * 8
+    assert [part.command(n) for part in (AD7606, AD7606C) for n in range(8)] == [0] * 16
 
 
 @pytest.mark.parametrize("part", PARTS.values(), ids=lambda part: part.name)
@@ -861,6 +947,13 @@ def test_twin_never_exceeds_the_parts_clock(part):
         (AD7606, 50_000, 2),
         (MAX11123, 32_000, 1),  # 17 + 7 ns are 0.77 clocks
         (MAX11123, 32_001, 2),  # 16 MHz
+        (AD7606C, 37_037, 1),  # 20 + 7 ns are 0.999999 clocks
+        (AD7606C, 37_038, 2),
+        (AD7606C, 100_000, 2),  # three clocks, so 25 MHz
+        (MAX11131, 41_666, 1),  # 17 + 7 ns are 0.99998 clocks: 20.8 MHz
+        (MAX11131, 41_667, 2),
+        (MAX11131, 125_000, 2),  # 3 clocks: 31.25 MHz
+        (MAX11131, 125_001, 3),
         (MCP3208, 48_000, 12),  # 2 MHz; 200 + 7 ns are 9.94 clocks
     ],
 )
@@ -875,3 +968,10 @@ def test_half_a_bit_by_hand(part, clk_khz, half):
 def test_busy_is_waited_for_as_long_as_the_page_says(clk_khz, clocks):
     """docs/adc.md: the smallest power of two that lasts 8.4 µs, here 33.6, 100.8, 210, 403.2, 840 clocks."""
     assert AdcSpi(AD7606, clk_khz=clk_khz).watch_clocks == clocks
+
+
+@pytest.mark.parametrize("lanes, word", [(1, 0x0200), (2, 0x0208), (4, 0x0210), (8, 0x0218)])
+def test_lanes_are_a_field_of_a_register(lanes, word):
+    """docs/adc.md: 0, 1, 2, 3 in bits 4:3 of register 2; the other setup words do not know the lanes."""
+    others = [0x0311, 0x0411, 0x0511, 0x0611, 0x07FF, 0]
+    assert list(AD7606C.setup_words(lanes)) == [0x4200, word, *others]

@@ -304,11 +304,13 @@ BIG = pytest.mark.long
         (1, 1, 1, 17, 0, 1, 12),
         (3, 3, 2, 17, 0, 1, 1),
         (4, 7, 2, 18, 0, 0, 16),
+        (3, 14, 6, 17, 0, 1, 11),
         (64, 64, 1, 17, 0, 1, 12),
         pytest.param(256, 256, 4, 17, 0, 1, 12, marks=BIG),
         (5, 19, 8, 17, 1, 1, 24),
         (1, 1, 1, 17, 1, 1, 32),
         (4, 1, 4, 17, 1, 0, 20),
+        (3, 17, 5, 18, 1, 0, 22),
         pytest.param(256, 256, 8, 17, 1, 1, 24, marks=BIG),
     ],
 )
@@ -371,5 +373,5 @@ test_refuses_illegal_parameters = refusals(
 
 def test_the_twin_refuses_what_its_table_refuses():
     for row_column in (0, 1):
-        cases = ({"lanes": 3}, {"sample_bits": 18}, {"sample_bits": 19, "offset": False})
+        cases = ({"lanes": 9}, {"sample_bits": 18}, {"sample_bits": 19, "offset": False})
         refused(Calibrate, *cases, rows=4, columns=4, row_column=row_column)

@@ -21,9 +21,11 @@ NAMES = [name for name in config.names() if config.load(name).health] + ["h1_hea
 PARTS = {
     "MCP3208": (3.3, 5.0),
     "AD7606": (5.0, 10.0),
+    "AD7606C-16": (5.0,),
     "MAX11123": (3.3,),
     "MAX11124": (2.5,),
     "MAX11125": (3.3,),
+    "MAX11131": (2.5,),
 }
 PARTS = [(part, volts) for part, several in PARTS.items() for volts in several]
 ROWS, COLUMNS = 6, 7

@@ -8,7 +8,16 @@ import pytest
 from meissner.twins.frontend import adc_store, timing
 from meissner.twins.frontend.acquire import Acquire
 from meissner.twins.frontend.adc_single import AdcSingle
-from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11124, MAX11125, MCP3208, AdcSpi
+from meissner.twins.frontend.adc_spi import (
+    AD7606,
+    AD7606C,
+    MAX11123,
+    MAX11124,
+    MAX11125,
+    MAX11131,
+    MCP3208,
+    AdcSpi,
+)
 from meissner.twins.frontend.am_demod import references
 from meissner.twins.frontend.scan_plan import ScanPlan, Settings
 from meissner.twins.frontend.timing import time_stamps
@@ -22,9 +31,11 @@ CODES = {  # code: (sample, over-range), by docs/adc.md
         0x8001: (-32767, 0),
         0xFFFF: (-1, 0),
     },
+    AD7606C: {0x7FFF: (32767, 1), 0x7FFD: (32765, 0), 0x8000: (-32768, 1), 0xFFFE: (-2, 0)},
     MAX11123: {0: (0, 1), 1: (1, 0), 128: (128, 0), 254: (254, 0), 255: (255, 1)},
     MAX11124: {0: (0, 1), 1: (1, 0), 1022: (1022, 0), 1023: (1023, 1)},
     MAX11125: {0: (0, 1), 4094: (4094, 0), 4095: (4095, 1)},
+    MAX11131: {0: (0, 1), 2: (2, 0), 4093: (4093, 0), 4095: (4095, 1)},
 }
 
 
@@ -35,7 +46,7 @@ def test_samples_by_hand(part):
     for twin in twins:
         data, over = twin.samples(codes)
         assert list(zip(np.asarray(data).tolist(), np.asarray(over, int).tolist())) == expected
-    data, over = adc_store.samples(codes, part.data_bits, 17, part is AD7606)
+    data, over = adc_store.samples(codes, part.data_bits, 17, part in (AD7606, AD7606C))
     assert list(zip(data.tolist(), over.astype(int).tolist())) == expected
 
 
@@ -125,6 +136,7 @@ def test_a_half_of_a_bit_is_no_clock_short():
         (MCP3208, 8, 1, 48_000, 2_000): (12, 456, 3816, 3841),
         (MAX11123, 8, 1, 25_000, 16_000): (1, 313, 320, 321),
         (MAX11125, 8, 1, 100_000, 16_000): (4, 1252, 1259, 1261),
+        (MAX11131, 8, 1, 100_000, 48_000): (2, 626, 633, 634),  # 9 · 70 - 4, then 8 samples
     }
     for (part, channels, lanes, clk, sclk), (half, first, last, period) in rows.items():
         twin = AdcSpi(part, channels=channels, lanes=lanes, clk_khz=clk, sclk_khz=sclk)
@@ -144,8 +156,16 @@ def test_a_half_of_a_bit_is_no_clock_short():
         # 65 bits on each of two lanes: now the watchdog needs more
         (AD7606, 8, 2, 25_000, 14_500, 268, 2),
         (AD7606, 8, 2, 100_000, 14_500, 1036, 4),  # 8.4 us are 840 clocks, so 1024; 25 ns are three, plus one
+        # 0.7 us are 70 clocks, seen after one; 3, 17 bits of 4 clocks for each of four words
+        (AD7606C, 8, 2, 100_000, 60_000, 71 + 3 + 4 * 68, 4),
+        # one word: the watchdog's 1.4 us are 140 clocks, so 256
+        (AD7606C, 8, 8, 100_000, 60_000, 256 + 8 + 4, 4),
+        (AD7606C, 8, 1, 25_000, 60_000, 18 + 3 + 8 * 34, 2),
+        # 5.6 clocks; two words of 17 bits but the last one's rest, then five more samples
+        (AD7606C, 7, 4, 8_000, 60_000, 6 + 3 + 2 * 34 - 2 + 5, 2),
         # 9 frames of 17.5 bits of 2 clocks, 8 samples, and 4 more for a lost one
         (MAX11125, 8, 1, 25_000, 16_000, 9 * 35 + 8 + 4, 8 * 35 + 1),
+        (MAX11131, 8, 1, 100_000, 48_000, 9 * 70 + 8 + 4, 8 * 70 + 1),
         (MAX11123, 3, 1, 100_000, 16_000, 4 * 140 + 3 + 4, 3 * 140 + 1),
     ],
 )

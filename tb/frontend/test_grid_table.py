@@ -133,7 +133,14 @@ EVIDENCE = {
 
 @pytest.mark.parametrize(
     "rows, columns, lanes, sample_bits, offset",
-    [(1, 1, 1, 17, 1), (8, 1, 4, 17, 0), (5, 27, 8, 17, 1), (6, 3, 1, 12, 1), (2, 40, 2, 18, 1)],
+    [
+        (1, 1, 1, 17, 1),
+        (8, 1, 4, 17, 0),
+        (5, 27, 8, 17, 1),
+        (6, 3, 1, 12, 1),
+        (3, 15, 7, 17, 1),
+        (2, 40, 2, 18, 1),
+    ],
 )
 def test_grid_table(rows, columns, lanes, sample_bits, offset):
     size = {"Rows": rows, "Columns": columns, "Lanes": lanes}
@@ -159,7 +166,7 @@ def test_model_of_rows_and_columns():
 test_refuses_illegal_parameters = refusals(
     "grid_table",
     GridTable,
-    *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 3}, {"SampleBits": 19}),
+    *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 9}, {"SampleBits": 19}),
     rows=1,
     columns=1,
 )

@@ -377,6 +377,7 @@ EVIDENCE = {
         (4, 5, 2, 17),
         (3, 19, 8, 18),
         (7, 6, 4, 12),
+        (4, 10, 3, 17),
         (64, 64, 8, 17),
     ],
 )
@@ -385,7 +386,7 @@ def test_health(rows, columns, lanes, sample_bits):
     bench.run("frontend", "health", size)
 
 
-@pytest.mark.parametrize("rows, columns, lanes", [(3, 5, 2), (1, 3, 1)])
+@pytest.mark.parametrize("rows, columns, lanes", [(3, 5, 2), (1, 3, 1), (3, 5, 3)])
 def test_health_by_hand(rows, columns, lanes):
     """Against literals and a plain loop instead of the model: frontend/health_by_hand.py."""
     size = {"Rows": rows, "Columns": columns, "Lanes": lanes, "SampleBits": 17}
@@ -506,7 +507,7 @@ def test_model_in_frames_and_beats():
 
 
 test_refuses_illegal_parameters = refusals(
-    "health", Health, *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 3}, {"SampleBits": 19}), rows=2, columns=2
+    "health", Health, *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 9}, {"SampleBits": 19}), rows=2, columns=2
 )
 
 

@@ -435,6 +435,10 @@ SIZES = [
     {"Rows": 2, "Columns": 5, "Channels": 3, "Lanes": 2, "Cycle": 20, "SettleBits": 6, "SampleBits": 13},
     {"Rows": 8, "Columns": 8, "Channels": 1, "Lanes": 8, "Cycle": 20, "SettleBits": 6},
     {"Rows": 6, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6},
+    {"Rows": 3, "Columns": 10, "Channels": 3, "Lanes": 3, "Cycle": 24, "SettleBits": 6},
+    {"Rows": 2, "Columns": 17, "Channels": 4, "Lanes": 5, "Cycle": 20, "SettleBits": 6},
+    {"Rows": 3, "Columns": 78, "Channels": 6, "Lanes": 6, "Cycle": 20, "SettleBits": 6},
+    {"Rows": 5, "Columns": 64, "Channels": 5, "Lanes": 7, "Cycle": 80, "SettleBits": 6, "Depth": 32},
     pytest.param(
         {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 40, "SettleBits": 6, "Depth": 64},
         marks=pytest.mark.long,
@@ -478,7 +482,7 @@ def test_scan_large(rows, columns, lanes, tests):
 def test_refuses_illegal_parameters():
     """Its own limit; the others belong to msn_scan_plan and msn_scan_buffer."""
     assert "SampleBits" in bench.refuses("scan", {"SampleBits": 1})
-    refused(Scan, {"sample_bits": 1}, {"depth": 16}, {"rows": 0}, {"lanes": 3})
+    refused(Scan, {"sample_bits": 1}, {"depth": 16}, {"rows": 0}, {"lanes": 9})
 
 
 def test_twin_refuses_frames_of_another_size():

@@ -14,13 +14,13 @@ from cocotb.triggers import ReadOnly, RisingEdge, ValueChange
 
 import bench
 from frontend.test_scan import apply, counts
-from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, PARTS
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11125, MAX11131, MCP3208, PARTS
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_plan import Settings
-from parts import ad7606, max1112x, mcp3208
+from parts import ad7606, ad7606c, max1112x, mcp3208
 from parts.timing import Line, now
 
-CONVERSION_NS = (4017.3, 3512.0)  # of an AD7606 on lane 0, and on the other lanes
+CONVERSION_NS = {AD7606: (4017.3, 3512.0), AD7606C: (617.3, 512.0)}  # on lane 0, and on the other lanes
 
 
 def twin_of(dut):
@@ -90,17 +90,20 @@ class Board:
         await bench.clocks(dut, 3)
         self.parts = []
         for lane in range(twin.lanes):
-            pin = lambda name, lane=lane: Line(getattr(dut, f"adc_{name}"), lane, driven)
+            pin = lambda name, width=1, lane=lane: Line(getattr(dut, f"adc_{name}"), lane, driven, width)
             code = lambda channel, time, lane=lane: self.code(lane, channel, time)
             if twin.part is MCP3208:
                 part = mcp3208.Mcp3208(pin("cs_n_o"), pin("sclk_o"), pin("mosi_o"), pin("miso_i"), code)
-            elif twin.part is AD7606:
-                pins = [pin(name) for name in ("cs_n_o", "sclk_o", "miso_i", "convst_o", "busy_i", "reset_o")]
-                part = ad7606.Ad7606(*pins, code, conversion_ns=CONVERSION_NS[min(lane, 1)])
+            elif twin.part.has_busy:
+                pins = [pin("cs_n_o"), pin("sclk_o"), *[pin("mosi_o")] * bool(twin.part.setup)]
+                pins += [pin("miso_i", twin.adc_lanes), pin("convst_o"), pin("busy_i"), pin("reset_o")]
+                model = ad7606c.Ad7606c if twin.part.setup else ad7606.Ad7606
+                part = model(*pins, code, conversion_ns=CONVERSION_NS[twin.part][min(lane, 1)])
             else:
                 pins = [pin(name) for name in ("cs_n_o", "sclk_o", "mosi_o", "miso_i")]
                 # A frame's first word samples too, but that code is not used.
-                part = max1112x.Max1112x(*pins, twin.part.data_bits, self.lenient(code))
+                limits = max1112x.FAST if twin.part is MAX11131 else None
+                part = max1112x.Max1112x(*pins, twin.part.data_bits, self.lenient(code), limits)
             self.parts.append(part)
         await bench.clocks(dut, 3)
         dut.rst_i.value = 0
@@ -175,7 +178,8 @@ class Board:
             assert {beat[5] for beat in part} == {index}
             assert {beat[6] for beat in part} == {self.time(self.converts[number])}
         assert not self.counted()
-        idle = ["mosi"] if self.twin.part is AD7606 else ["convst", "reset"]
+        busy, setup = self.twin.part.has_busy, bool(self.twin.part.setup)
+        idle = ["mosi"] * (busy and not setup) + ["convst", "reset"] * (not busy)
         assert not any(bench.read(getattr(self.dut, f"adc_{name}_o")) for name in idle)
 
     def counted(self):
@@ -206,7 +210,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
     made.check()
     assert len(made.beats) >= 2 * twin.rows * twin.scan.beats
 
-    steps = twin.latency(settle, conversion_ns=CONVERSION_NS[0])
+    steps = twin.latency(settle, conversion_ns=CONVERSION_NS.get(twin.part, [0])[0])
     first = made.converts[0]
     per_frame = len(twin.scan.places())
     assert made.converts[1] - first == steps["slot"]
@@ -254,6 +258,7 @@ async def long_times_are_long(dut):
         apply(dut, made.settings)
         await bench.clocks(dut, 2 * slot)
         await bench.reset(dut)  # a conversion in its settle time would go on
+        made.converted = float("-inf")  # nor are the words of the setup samples of a conversion before it
         made.settings = settings
         apply(dut, settings).put(enable=1)
         made.converts.clear()
@@ -296,12 +301,12 @@ async def a_part_that_fails_spoils_no_frame(dut):
     await made.start()
     await made.run(twin.adc.start_clocks() + frame + slot // 2)
     part = made.parts[-1]
-    if twin.part is AD7606:
+    if twin.part.has_busy:
         part.hold_busy(0)
     else:
         part.spoil = lambda answer: answer ^ 0x4000
     await made.run(3 * slot)
-    if twin.part is AD7606:
+    if twin.part.has_busy:
         part.hold_busy(None)
     else:
         part.spoil = None
@@ -327,8 +332,13 @@ BUILDS = [
     {"Rows": 16, "Columns": 16, "Part": AD7606.number, "Channels": 8, "ClkKhz": 25_000},
     {"Rows": 3, "Columns": 3, "Part": MCP3208.number, "Channels": 3, "ClkKhz": 8_000, "SclkKhz": 2_000},
     {"Rows": 8, "Columns": 8, "Part": MAX11123.number, "Channels": 8, "ClkKhz": 25_000},
-    {"Rows": 4, "Columns": 15, "Part": MAX11125.number, "Channels": 4, "Lanes": 2, "ClkKhz": 50_000},
+    {"Rows": 4, "Columns": 15, "Part": MAX11131.number, "Channels": 4, "Lanes": 2, "ClkKhz": 41_000},
     {"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "ClkKhz": 20_000},
+    {"Rows": 2, "Columns": 28, "Part": MAX11125.number, "Channels": 3, "Lanes": 5, "ClkKhz": 50_000},
+    {
+        **{"Rows": 3, "Columns": 14, "Part": AD7606C.number, "Channels": 7, "Lanes": 2, "AdcLanes": 4},
+        **{"ClkKhz": 8_000, "SclkKhz": 60_000},
+    },
     {
         **{"Rows": 3, "Columns": 5, "Part": MAX11123.number, "Channels": 1, "ClkKhz": 100_000},
         "Depth": 8,

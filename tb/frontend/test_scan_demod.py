@@ -249,6 +249,7 @@ async def a_reset_in_a_burst_leaves_nothing_behind(dut):
 CASES = [
     {"Rows": 2, "Columns": 3},
     {"Rows": 2, "Columns": 3, "Converters": 2, "Skip": 0},  # an extra sample would begin the next burst
+    {"Rows": 2, "Columns": 7, "Converters": 3},  # three groups of three, the last of one
     {"Rows": 1, "Columns": 2, "SamplesPerPeriod": 8, "SamplePeriod": 288, "Periods": 1, "Skip": 0},
     {"Rows": 2, "Columns": 2, "Form": 0, "Shift": 1},
 ]
@@ -276,10 +277,10 @@ def test_scan_demod(case):
 
 
 def test_refuses_illegal_parameters():
-    wrong = {"Converters": 3, "SamplePeriod": 100, "Periods": 0, "Part": 2}
+    wrong = {"Converters": 9, "SamplePeriod": 100, "Periods": 0, "Part": 2}
     for name, value in wrong.items():
         assert name in bench.refuses("scan_demod", BASE | {name: value})
-    cases = ({"converters": 3}, {"sample_period": 100}, {"periods": 0}, {"skip": -1})
+    cases = ({"converters": 9}, {"sample_period": 100}, {"periods": 0}, {"skip": -1})
     refused(ScanDemod, *cases, clk_khz=100_000, part=MAX11125, **{"sample_period": 320})
     with pytest.raises(ValueError, match="BUSY"):
         ScanDemod(part=AD7606)

@@ -365,6 +365,7 @@ BUILDS = [
     {"Rows": 3, "Columns": 3, "Channels": 3, "Cycle": 40, "Hold": 30, "SettleBits": 6},
     {"Rows": 5, "Columns": 24, "Lanes": 2, "Channels": 4, "Cycle": 12, "SettleBits": 8},
     {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 16, "SettleBits": 6, "PeriodBits": 16},
+    {"Rows": 3, "Columns": 64, "Lanes": 7, "Channels": 3, "Cycle": 11, "SettleBits": 6},
     {"Rows": 6, "Columns": 17, "Lanes": 8, "Channels": 1, "Cycle": 9, "Hold": 9, "SettleBits": 8},
 ]
 
@@ -387,8 +388,8 @@ def test_scan_plan(parameters):
 test_refuses_illegal_parameters = refusals(
     "scan_plan",
     ScanPlan,
-    *({"Rows": 0}, {"Rows": 1025}, {"Columns": 0}, {"Columns": 1025}, {"Lanes": 3}, {"Channels": 0}),
-    *({"Channels": 9}, {"Channels": 3}, {"Hold": 1}, {"Cycle": 15}, {"SettleBits": 25}, {"PeriodBits": 33}),
+    *({"Rows": 0}, {"Rows": 1025}, {"Columns": 0}, {"Columns": 1025}, {"Lanes": 9}, {"Channels": 0}),
+    *({"Channels": 9}, {"Hold": 1}, {"Cycle": 15}, {"SettleBits": 25}, {"PeriodBits": 33}),
 )
 
 

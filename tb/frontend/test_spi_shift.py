@@ -39,6 +39,8 @@ async def words_match_the_model(dut):
             await ReadOnly()
             low = 1 <= clock <= spi_shift.word_clock(bits, half, words, lead)
             assert dut.spi_cs_n_o.value == int(not low)
+            runs = 1 <= clock <= spi_shift.done_clock(bits, half, words, lead)
+            assert dut.run_o.value == int(runs)
             sclk = int(dut.spi_sclk_o.value)
             driven = 0 <= index < bits * words and (phase >= half) != lead
             assert sclk == idle ^ driven, f"SCLK in clock {clock}"

@@ -343,6 +343,7 @@ EVIDENCE = {
         (2, 8, 8, 12, 2),
         (3, 3, 1, 1, 1),
         (3, 5, 2, 16, 4),
+        (2, 8, 3, 9, 3),
         (2, 18, 8, 8, 8),
         pytest.param(64, 64, 1, 12, 2, marks=pytest.mark.long),
     ],
@@ -461,7 +462,7 @@ def test_model_in_frames_and_beats():
 test_refuses_illegal_parameters = refusals(
     "tare",
     Tare,
-    *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 3}, {"FractionBits": 17}, {"TareLog2": 9}),
+    *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 9}, {"FractionBits": 17}, {"TareLog2": 9}),
     *({"TareLog2": 4, "FractionBits": 3}, {"SampleBits": 5, "FractionBits": 3, "TareLog2": 0}),
     rows=2,
     columns=2,

@@ -137,7 +137,7 @@ EVIDENCE = {
 
 @pytest.mark.parametrize(
     "rows, columns, lanes, sample_bits, offset",
-    [(1, 1, 1, 17, 1), (3, 5, 2, 17, 1), (4, 4, 1, 18, 0), (5, 19, 8, 17, 1)],
+    [(1, 1, 1, 17, 1), (3, 5, 2, 17, 1), (4, 4, 1, 18, 0), (4, 10, 3, 17, 1), (5, 19, 8, 17, 1)],
 )
 def test_taxel_table(rows, columns, lanes, sample_bits, offset):
     size = {"Rows": rows, "Columns": columns, "Lanes": lanes}
@@ -147,7 +147,7 @@ def test_taxel_table(rows, columns, lanes, sample_bits, offset):
 test_refuses_illegal_parameters = refusals(
     "taxel_table",
     TaxelTable,
-    *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 3}, {"SampleBits": 19}),
+    *({"Rows": 0}, {"Columns": 1025}, {"Lanes": 9}, {"SampleBits": 19}),
     rows=1,
     columns=1,
 )

@@ -40,7 +40,10 @@ ARRAY = {
     "about": "ends",
     "clock": {"mhz": 25.0},
     "sensor": {"kind": "array", "rows": 5, "columns": 6},
-    "adc": {"part": "AD7606", "volts": 10.0, "rate_hz": 100.0, "converters": 2, "channels": 3},
+    "adc": {
+        **{"part": "AD7606", "volts": 10.0, "rate_hz": 100.0, "converters": 2, "channels": 3},
+        **{"settle_us": 1.0, "settle_share": 1.0},
+    },
     "array": {"newtons_per_count": 0.0037, "pitch_mm": 3.3},
 }
 LEVEL_2 = CHANNELS | {"slip": CHANNELS["slip"] | {"level": 2}}
@@ -333,18 +336,19 @@ def test_the_largest_force_of_8_bits(gains, most):
     refused(base, "cop", "min_load_n", min_load_n=least + 0.001)
 
 
-@pytest.mark.parametrize("part", [part for part in keys.PARTS if part != "AD7606"])
+@pytest.mark.parametrize("part", [name for name, part in keys.PARTS.items() if not part.signed])
 def test_four_wires_refuse_a_converter_from_0_v_on(part):
     refused("cop4", "adc", f"part = '{part}'", part=part, volts=3.3)
 
 
-def test_health_wants_whole_beats():
-    """msn_core refuses health if a row's last beat is not full, so the configuration does too."""
-    four = ARRAY | {"adc": ARRAY["adc"] | {"converters": 4, "channels": 2}}
-    assert read(four, "array", health=False).parameters["Columns"] == 6
-    assert read(ARRAY, "array", health=True).parameters["Health"] == 1
-    with pytest.raises(ValueError, match=r"\[sensor\]: columns = 6"):
-        read(four, "array", health=True)
+def test_any_number_of_converters_up_to_eight():
+    """Six columns on five converters: their second input has one column, and health numbers it as taxel 5."""
+    for converters in range(1, 9):
+        made = ARRAY | {"adc": ARRAY["adc"] | {"converters": converters, "channels": 6}}
+        found = read(made, "array", health=True).parameters
+        assert (found["Columns"], found["Converters"], found["Health"]) == (6, converters, 1)
+    for converters in (0, 9):
+        refused(ARRAY, "adc", "converters", converters=converters)
 
 
 WRONG = [

@@ -13,7 +13,8 @@ EXAMPLES = {
     ("set_threshold.py",): [
         "slip.threshold = 23 codes",
         "1 V, peak to peak, are 1158 codes",
-        "\n0 slip events",
+        "\n2 slip events in 11 s\n",
+        "\n0 slip events in 11 s\n",
     ],
     ("read_cop.py",): ["an array of 25×5", "x -0.3", "██"],
     ("grip_on_slip.py",): ["s: it begins to slip, the hand tightens\n", "the glass was held with 2.0 N"],

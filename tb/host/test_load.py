@@ -34,7 +34,7 @@ def built(folder, tare=False, gains="taxel", converters=1):
         tare=str(tare).lower(),
         gains=gains,
         converters=converters,
-        channels={1: 5, 2: 3}[converters],
+        channels={1: 5, 3: 2}[converters],
         more="tare = { contact_codes = 64, step = 0 }" if tare else "",
     )
     (folder / "mine.toml").write_text(text)
@@ -64,9 +64,10 @@ def forces_of(codes, lines):
     return found
 
 
-@pytest.mark.parametrize("tare, converters", [(False, 1), (True, 2)])
+@pytest.mark.parametrize("tare, converters", [(False, 1), (True, 3)])
 def test_the_core_computes_what_was_loaded(tmp_path, tare, converters):
-    """With tare the offsets are its zeros; five columns on two converters leave a lane of each row unused."""
+    """With tare the offsets are its zeros; five columns on three converters leave a lane of each row
+    unused, and their two beats could be four lanes."""
     build = built(tmp_path, tare, converters=converters)
     codes = np.random.default_rng(3).integers(0, 4096, (1, 3, 5))
     with CoreOnPins(build, codes) as pins, host.Core(line.Pipe(pins), build.units) as core:

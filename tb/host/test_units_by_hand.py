@@ -34,7 +34,7 @@ ARRAY = {
     "sensor": {"kind": "array", "rows": 5, "columns": 6},
     "adc": {
         **{"part": "AD7606", "volts": 10.0, "rate_hz": 611.3, "converters": 2, "channels": 3},
-        "settle_us": 1.37,
+        **{"settle_us": 1.37, "settle_share": 1.0},
     },
     "array": {"health": True, "newtons_per_count": 0.0037, "pitch_mm": 3.3},
     "health": {"band": 13, "jump": 4021, "still": 117, "rail": 9, "blink": 121},
@@ -258,6 +258,18 @@ def test_an_array():
     assert units.place(8192, -16_384) == (0.5, -1.0, pytest.approx(4.125), pytest.approx(-6.6))
 
 
+def test_an_array_behind_an_ad7606c():
+    """+-5 V on four data lines. A code is 10 V / 65536 = 0.152588 mV, so 0.172 mV of noise are 1.1272 codes,
+    with the rounding's 0.2887 1.1636; ten times sqrt(2) of it is 16.46, up. 1.37 us are 45.67 clocks, up."""
+    adc = ARRAY["adc"] | {"part": "AD7606C-16", "volts": 5.0, "channels": 8, "lanes": 4}
+    build = of(ARRAY | {"adc": adc, "health": {}, "tare": {}})
+    found = {name: build.settings[f"health.{name}"] for name in ("band", "jump", "low", "high")}
+    assert found == {"band": 17, "jump": 4096, "low": -32_768, "high": 32_767}
+    assert (build.settings["tare.contact"], build.settings["scan.settle"]) == (64, 46)
+    wanted = {"Adc": 6, "SclkKhz": 60_000, "AdcLanes": 4, "Converters": 2, "AdcChannels": 8}
+    assert {name: build.parameters[name] for name in wanted} == wanted
+
+
 def widths(name, **array):
     table = tomllib.loads((config.FOLDER / f"{name}.toml").read_text())
     if array:
@@ -319,10 +331,12 @@ RAILS = [
     ("MAX11123", 3.3, {}, (-65_536, 255)),
     ("MAX11124", 3.3, {"wiring": "differential"}, (0, 1023)),
     ("MAX11125", 3.3, {}, (-65_536, 4095)),
+    ("MAX11131", 2.5, {"rest_v": 0.04}, (0, 4095)),  # a 64th is 0.0391 V
     ("AD7606", 10.0, {}, (-32_768, 32_767)),  # 0 V is the middle of its range
     ("AD7606", 10.0, {"wiring": "differential"}, (-32_768, 32_767)),
     ("AD7606", 6.4, {"wiring": "differential", "rest_v": -6.2}, (-65_536, 32_767)),  # 12.8 V / 64
     ("AD7606", 6.4, {"wiring": "differential", "rest_v": -6.199, "pressed_v": 6.2}, (-32_768, 65_535)),
+    ("AD7606C-16", 5.0, {"wiring": "differential"}, (-32_768, 32_767)),
     ("AD7606", 6.4, {"rest_v": 0.1}, (-32_768, 32_767)),
     ("AD7606", 6.4, {"rest_v": 0.101}, (0, 32_767)),  # a grounded input
 ]

@@ -48,7 +48,7 @@ def test_all_types_there_and_back_in_any_pieces():
     cuts = np.sort(rng.integers(0, len(line), 200))
     got = [q for part in np.split(np.frombuffer(line, np.uint8), cuts) for q in decoder.next(part.tobytes())]
     assert bytes_of(got) == packets
-    assert (decoder.damaged, decoder.missed) == (0, 0)
+    assert decoder.damaged == 0
     first = got[:10]
     assert first[0].fields.keys() == {"channel", "p2p", "state"}
     assert p.slip_event(**first[0].fields) == first[0].payload
@@ -98,7 +98,7 @@ def test_corruption_loses_only_the_packet_it_touches(kind):
         others = packets[:hit] + packets[hit + 1 :]
         assert got in (packets, others)
         if got == others and 0 < hit < len(frames) - 1:
-            assert decoder.missed == 1 and decoder.damaged >= (bytes(frame).strip(b"\0") != b"")
+            assert decoder.damaged >= (bytes(frame).strip(b"\0") != b"")
 
 
 def test_random_and_mutated_bytes(monkeypatch):
@@ -128,10 +128,3 @@ def test_random_and_mutated_bytes(monkeypatch):
     decoder.next(bytes([7]) * 10_000_000)
     assert len(decoder._frame) == MAX_BYTES + 2
     assert decoder.next(b"\0" + frames[0]) != []
-
-
-def test_gaps_in_the_numbers_are_counted():
-    _, frames = stream_of(np.random.default_rng(5), 300)
-    decoder = Decoder()
-    decoder.next(b"".join(frames[:10] + frames[13:250] + frames[251:]))
-    assert decoder.missed == 4

@@ -107,7 +107,7 @@ class Ad7606(PartModel):
                 self.convst_fell = now()
 
     async def convert(self, token):
-        codes = [self.code(channel, now()) for channel in range(8)]
+        codes = [self.take(channel) for channel in range(8)]
         self.frames.append(codes)
         limits = self.limits
         duration = self.conversion_ns or self.draw.uniform(limits.t_conv_min, limits.t_conv_most)

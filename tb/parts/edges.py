@@ -1,7 +1,7 @@
 """Run a part model without a simulator: edges come at given times, to the picosecond, and its outputs are
 recorded.
 
-``Edges(monkeypatch, module)`` replaces the simulator; then create pins and the model, and call ``at`` and
+``Edges(monkeypatch, *modules)`` replaces the simulator; then create pins and the model, and call ``at`` and
 ``run``.
 """
 
@@ -51,10 +51,10 @@ class Pin:
 
 
 class Edges:
-    def __init__(self, monkeypatch, module):
+    def __init__(self, monkeypatch, *modules):
         self.time, self.due, self.order, self.reports = 0, [], count(), []
         fakes = {"now": lambda: self.time / 1000, "changed": Wait, "Timer": lambda ps, unit: Wait(ps)}
-        for where in (module, timing):
+        for where in (*modules, timing):
             for name, fake in fakes.items():
                 if hasattr(where, name):
                     monkeypatch.setattr(where, name, fake)

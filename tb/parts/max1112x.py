@@ -1,4 +1,5 @@
-"""Maxim MAX11123, MAX11124, MAX11125: 8 channels of 8, 10, 12 bits; manual scan on the external clock only.
+"""Maxim MAX11123, MAX11124, MAX11125: 8 channels of 8, 10, 12 bits; MAX11131: 16 of 12 bits. Manual scan on
+the external clock only.
 
 What was taken from the data sheet and what only from memory: docs/adc.md.
 """
@@ -32,6 +33,10 @@ class Limits:
     t_dod: float = 15  # CS rising to DOUT high impedance
 
 
+# The MAX11131: 48 MHz.
+FAST = Limits(t_cp=1e6 / 48_000, t_cp_max=1e6 / 480, t_ch=8.3, t_cl=8.3)
+
+
 class Max1112x(PartModel):
     """``code(channel, time_ns)`` gives the raw code of ``bits`` bits.
 
@@ -40,10 +45,10 @@ class Max1112x(PartModel):
     them.
     """
 
-    def __init__(self, cs_n, sclk, mosi, miso, bits, code, limits=None, report=None):
+    def __init__(self, cs_n, sclk, mosi, miso, bits, code, limits=None, report=None, channels=8):
         super().__init__(limits or Limits(), report)
         self.cs_n, self.sclk, self.mosi, self.miso = cs_n, sclk, mosi, miso
-        self.bits = bits
+        self.bits, self.channels = bits, channels
         self.code = code
         self.conversions = []
         self.words = []  # commands since power-up
@@ -85,7 +90,7 @@ class Max1112x(PartModel):
         self.rose = self.fell = None
         code = 0
         if self.channel is not None:
-            code = self.code(self.channel, now())
+            code = self.take(self.channel, self.since(self.rose))
             assert 0 <= code < 1 << self.bits
         self.conversions.append((self.channel, code, now()))
         self.answer = (15 if self.channel is None else self.channel) << 12 | code << 12 - self.bits
@@ -103,7 +108,7 @@ class Max1112x(PartModel):
             if word & 0x7B != 0:
                 self.report(TimingViolation(f"setup: 0x{word:04x} resets, powers down or sets a spare bit"))
             self.channel = word >> 7 & 15 if word & 4 else None
-            if (word >> 7 & 15) > 7:
+            if (word >> 7 & 15) >= self.channels:
                 self.report(TimingViolation("setup: a channel that the part does not have"))
         elif word not in SETUP:
             self.report(TimingViolation(f"setup: 0x{word:04x} is no setting that is known to be right"))

@@ -8,7 +8,7 @@ from dataclasses import fields
 
 import pytest
 
-from parts import ad7606, max1112x, mcp3208
+from parts import ad7606, ad7606c, max1112x, mcp3208
 from parts.edges import Edges, Pin
 
 PS = 0.001
@@ -222,17 +222,179 @@ def test_ad7606_rules(monkeypatch):
     assert "mode: SCLK is low as CS falls" in said(sclk_rest=0)
 
 
+SETUP_C = [0x4200, 0x0210, 0x0311, 0x0411, 0x0511, 0x0611, 0x07FF, 0]
+CODES_C = [0xA5C3, 0x1234, 0x5A3C, 0x8001, 0x7FFE, 0x0F0F, 0x3333, 0xC96A]
+
+
+def ad7606c_run(
+    monkeypatch,
+    reset=3300,
+    recover=275_000,
+    high=100,
+    cycle=6000,
+    read=100,
+    period=50,
+    sclk_low=25,
+    css=20,
+    ds=12,
+    dh=None,
+    csh=60,
+    bits=16,
+    reads=(0, 0),
+    convert_before=False,
+    setup=SETUP_C,
+    conversion=650,
+    lanes=4,
+):
+    """RESET, the setup for four lanes, a conversion, its words ``read`` ns after BUSY fell, and a second
+    conversion."""
+    edges = Edges(monkeypatch, ad7606, ad7606c)
+    cs_n, sclk, convst, busy, rst, mosi = (Pin(edges, level) for level in (1, 1, 0, 0, 0, 0))
+    miso = Pin(edges, 0, lanes)
+    args = cs_n, sclk, mosi, miso, convst, busy, rst, lambda channel, ns: CODES_C[channel]
+    model = ad7606c.Ad7606c(*args, report=edges.reports.append, conversion_ns=conversion)
+    model.noise.getrandbits = lambda bits: 0
+    edges.at(1000, rst, 1)
+    edges.at(1000 + reset, rst, 0)
+    begins = []
+
+    def send(start, word, bits):
+        edges.at(start, cs_n, 0)
+        begins.append(start)
+        levels = [word << bit >> 15 & 1 for bit in range(bits)]
+        for number, bit in enumerate(levels):
+            fall = start + css + number * period
+            if dh is None or number == 0:
+                edges.at(fall - ds, mosi, bit)
+            if dh is not None and number < bits - 1:
+                edges.at(fall + dh, mosi, levels[number + 1])
+            edges.at(fall, sclk, 0)
+            edges.at(fall + sclk_low, sclk, 1)
+        end = start + css + bits * period
+        edges.at(end, cs_n, 1)
+        return end + csh
+
+    start = 1000 + reset + recover
+    for word in setup:
+        start = send(start, word, 16)
+    first = 1000 + reset + recover if convert_before else start
+    for rise in (first, first + cycle):
+        edges.at(rise, convst, 1)
+        edges.at(rise + high, convst, 0)
+    start = first + conversion + read
+    for word in reads:
+        start = send(start, word, bits)
+    edges.run()
+    return edges, model, miso, begins
+
+
+AD7606C = {
+    "t_reset": ({"reset": 3200}, {"reset": 3200 - PS}),
+    "t_reset_convst": ({"recover": 274_000}, {"recover": 274_000 - PS}),
+    "t_convst_high": ({"high": 10}, {"high": 10 - PS}),
+    "t_convst_low": ({"high": 5990}, {"high": 5990 + PS}),
+    "t_cycle": ({"cycle": 1000, "reads": ()}, {"cycle": 1000 - PS, "reads": ()}),
+    "t_sclk": ({"period": 16.667, "sclk_low": 8}, {"period": 16.666, "sclk_low": 8}),
+    "t_sclk_low": ({"sclk_low": 20}, {"sclk_low": 20 - PS}),
+    "t_sclk_high": ({"sclk_low": 30}, {"sclk_low": 30 + PS}),
+    "t_css": ({"css": 2}, {"css": 2 - PS}),
+    "t_csh": ({"csh": 22}, {"csh": 22 - PS}),
+    "t_ds": ({"ds": 8}, {"ds": 8 - PS}),
+    "t_dh": ({"dh": 3}, {"dh": 3 - PS}),
+}
+
+
+@pytest.mark.parametrize("name", AD7606C)
+def test_ad7606c(monkeypatch, name):
+    at, short = AD7606C[name]
+    edges, model, *_ = ad7606c_run(monkeypatch, **at)
+    assert edges.names() == set() and model.frames == [CODES_C] * 2
+    assert ad7606c_run(monkeypatch, **short)[0].names() == {name}
+
+
+def test_ad7606c_answers_after_its_delays(monkeypatch):
+    """Four lanes: V1, V3, V5, V7, then V2, V4, V6, V8; 20 ns after CS, and wrong from 5 to 20 ns after SCLK;
+    let go 22 ns after CS rises: bit 0 of the first four is 1, 0, 0, 1."""
+    _, _, miso, begins = ad7606c_run(monkeypatch, period=100, sclk_low=50)
+    for word, begin in enumerate(begins[-2:]):
+        before = None
+        for bit in range(16):
+            level = sum((CODES_C[word + 2 * lane] >> (15 - bit) & 1) << lane for lane in range(4))
+            if bit == 0:
+                assert (miso.was(begin + 20 - PS), miso.was(begin + 20)) == (15 - level, level)
+            else:
+                rise = begin + 20 + (bit - 1) * 100 + 50
+                assert (miso.was(rise + 5 - PS), miso.was(rise + 5)) == (before, 15 - level)
+                assert (miso.was(rise + 20 - PS), miso.was(rise + 20)) == (15 - level, level)
+            before = level
+    _, _, miso, begins = ad7606c_run(monkeypatch, period=100, sclk_low=50, bits=15, reads=[0])
+    end = begins[-1] + 20 + 15 * 100
+    assert (miso.was(end + 22 - PS), miso.was(end + 22)) == (0b1001, 0)
+    own = {"t_conv_min", "t_conv_most", "t_busy", "t_busy_cs", "t_cs_dout", "t_sclk_dout", "t_hold"}
+    assert limits_of(ad7606c) == {*AD7606C, *own, "t_dis"}
+
+
+@pytest.mark.parametrize("lanes, field", [(1, 0), (2, 1), (4, 2), (8, 3)])
+def test_ad7606c_sends_as_many_lanes_as_it_was_told(monkeypatch, lanes, field):
+    """Lane l of n sends V(8l/n + 1) and those after it, then zeros, until BUSY falls again."""
+    setup, words = [0x4200, 0x0200 | field << 3, *SETUP_C[2:]], 8 // lanes
+    given = {"setup": setup, "lanes": lanes, "reads": [0] * (words + 1), "cycle": 20_000}
+    edges, _, miso, begins = ad7606c_run(monkeypatch, **given)
+    assert edges.names() == set()
+    for word, begin in enumerate(begins[-words - 1 :]):
+        codes = [CODES_C[word + words * lane] if word < words else 0 for lane in range(lanes)]
+        for bit in range(16):
+            level = sum((code >> (15 - bit) & 1) << lane for lane, code in enumerate(codes))
+            assert miso.was(begin + 20 + bit * 50 + 20) == level
+
+
+@pytest.mark.parametrize("missing", range(8))
+def test_ad7606c_wants_its_setup(monkeypatch, missing):
+    setup = [word for number, word in enumerate(SETUP_C) if number != missing]
+    assert "setup" in ad7606c_run(monkeypatch, setup=setup, reads=())[0].names()
+
+
+@pytest.mark.parametrize("word", [0x0310, 0x07FE, 0x0800, 0x4300, 0x8210, 0x0218])
+def test_ad7606c_refuses_other_words(monkeypatch, word):
+    edges = ad7606c_run(monkeypatch, setup=[*SETUP_C[:-1], word, 0])[0]
+    assert [str(report) for report in edges.reports] == [
+        f"setup: 0x{word:04x} is no setting that is known to be right"
+    ]
+
+
+def test_ad7606c_rules(monkeypatch):
+    said = lambda **given: {str(report) for report in ad7606c_run(monkeypatch, **given)[0].reports}
+    assert said(bits=15) == {"mode: a word of 15 SCLK periods"}
+    assert said(bits=17) == {"mode: a word of 17 SCLK periods"}
+    assert said(reads=[0x8000]) == {"setup: 0x8000 is no read of a register"}
+    assert "rule: BUSY falls during a read" in said(read=-PS)
+    assert any("registers True" in one for one in said(reads=[0x4200]))
+    assert any("setup: CONVST rises with" in one for one in said(convert_before=True, reads=()))
+
+
 SETUP = [0x0040, 0x8000, 0x8800, 0x9000, 0x9800]
 
 
 def max1112x_run(
-    monkeypatch, low=40, high=40, css=20, rest=60, csw=60, ds=15, dh=None, words=(), setup=SETUP, noise=None
+    monkeypatch,
+    low=40,
+    high=40,
+    css=20,
+    rest=60,
+    csw=60,
+    ds=15,
+    dh=None,
+    words=(),
+    setup=SETUP,
+    noise=None,
+    limits=None,
+    channels=8,
 ):
     """Setup, then three commands for channel 5; DIN moves ``ds`` before rising SCLK or ``dh`` after it."""
     edges = Edges(monkeypatch, max1112x)
     cs_n, sclk, mosi, miso = Pin(edges, 1), Pin(edges, 1), Pin(edges), Pin(edges)
     args = cs_n, sclk, mosi, miso, 12, lambda channel, ns: 0x5A3
-    model = max1112x.Max1112x(*args, report=edges.reports.append)
+    model = max1112x.Max1112x(*args, limits, edges.reports.append, channels)
     quiet(model, noise)
     start, begins = 1000, []
     period = low + high
@@ -274,6 +436,29 @@ def test_max1112x(monkeypatch, name):
     edges, model, _, _ = max1112x_run(monkeypatch, **at)
     assert edges.names() == set() and [row[:2] for row in model.conversions[-2:]] == [(5, 0x5A3)] * 2
     assert max1112x_run(monkeypatch, **short)[0].names() == {name}
+
+
+MAX11131 = {
+    "t_cp": ({"low": 10, "high": 10.834}, {"low": 10, "high": 10.833}),
+    "t_cp_max": ({"low": 1000, "high": 1083.333}, {"low": 1000, "high": 1083.334}),
+    "t_ch": ({"low": 20, "high": 8.3}, {"low": 20, "high": 8.3 - PS}),
+    "t_cl": ({"low": 8.3, "ds": 5}, {"low": 8.3 - PS, "ds": 5}),
+    "t_acq": ({"rest": 20, "csw": 32, "low": 20, "high": 20}, {"rest": 20, "csw": 32 - PS}),
+}
+
+
+@pytest.mark.parametrize("name", MAX11131)
+def test_a_max11131_is_faster(monkeypatch, name):
+    at, short = ({"limits": max1112x.FAST, "ds": 8} | given for given in MAX11131[name])
+    assert max1112x_run(monkeypatch, **at)[0].names() == set()
+    assert max1112x_run(monkeypatch, **short)[0].names() == {name}
+
+
+@pytest.mark.parametrize("channel, names", [(15, set()), (8, set()), (0, set())])
+def test_a_max11131_has_16_channels(monkeypatch, channel, names):
+    words = [*SETUP, 0x0804 | channel << 7, 0x0804]
+    edges, model, *_ = max1112x_run(monkeypatch, words=words, channels=16)
+    assert edges.names() == names and model.conversions[-1][0] == channel
 
 
 def test_max1112x_answers_after_its_delays(monkeypatch):

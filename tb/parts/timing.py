@@ -2,6 +2,7 @@
 
 import random
 from dataclasses import fields
+from math import inf
 
 import cocotb
 from cocotb import simulator
@@ -21,24 +22,25 @@ def now():
 
 
 class Line:
-    """One bit of a vector of pins, for one of several parts on the same ports.
+    """``width`` bits of a vector of pins, for one of several parts on the same ports.
 
     ``driven``: the same dict for all parts; it keeps the levels driven on each input port.
     """
 
-    def __init__(self, port, index, driven):
-        self.port, self.index, self.driven = port, index, driven
+    def __init__(self, port, index, driven, width=1):
+        self.port, self.driven, self.width = port, driven, width
+        self.low, self.mask = index * width, (1 << width) - 1
 
     def __len__(self):
-        return 1
+        return self.width
 
     @property
     def value(self):
-        return read(self.port) >> self.index & 1
+        return read(self.port) >> self.low & self.mask
 
     @value.setter
     def value(self, level):
-        levels = self.driven.get(self.port._path, 0) & ~(1 << self.index) | int(level) << self.index
+        levels = self.driven.get(self.port._path, 0) & ~(self.mask << self.low) | int(level) << self.low
         self.driven[self.port._path] = levels
         self.port.value = levels
 
@@ -69,6 +71,8 @@ def tightened(limits, name):
 class PartModel:
     """A part on some pins. ``report`` gets each violation; by default it raises and so fails the test."""
 
+    front = None  # parts.front.Front, if its samples come through one
+
     def __init__(self, limits, report=None):
         self.limits = limits
         self.report = report or self.fail
@@ -77,6 +81,12 @@ class PartModel:
 
     def fail(self, violation):
         raise violation
+
+    def take(self, channel, acquired_ns=None):
+        """The code of a channel, sampled now; its capacitor was connected for ``acquired_ns``, None: long."""
+        if self.front is not None:
+            self.front.acquired_ns = inf if acquired_ns is None else acquired_ns
+        return self.code(channel, now())
 
     def least(self, name, measured):
         """Check a minimum; ``measured`` None: there is no earlier edge to measure from."""

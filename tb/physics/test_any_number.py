@@ -4,18 +4,20 @@ gives finite numbers. Each number of each argument in turn."""
 
 import dataclasses
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import meissner
-from meissner import interval
+from meissner import arrays, interval
 from meissner.physics import (
     adc,
     capacitive,
     dielectric,
     disturbances,
     footprints,
+    front,
     fsr,
     grip,
     mesh_loads,
@@ -55,11 +57,12 @@ CALLS = {
     adc.Adc: (12, 0.0, 5.0, 1e-3),
     PART.convert: (2.0,),
     PART.volts_of: (2.0,),
-    adc.LowPass: (15e3,),
-    adc.LowPass(15e3).gain: (1e3,),
-    adc.LowPass(15e3).left: (1e-6,),
-    adc.LowPass(15e3).settled_s: (0.01,),
-    adc.old_rows: ("AD7606", 1e-6, 5.0),
+    front.LowPass: (15e3,),
+    front.LowPass(15e3).gain: (1e3,),
+    front.LowPass(15e3).left: (1e-6,),
+    front.LowPass(15e3).most_left: (1e-6,),
+    front.LowPass(15e3).settled_s: (0.01,),
+    front.paths: ("MCP3208", 5.0, 1e-6, 100.0),
     capacitive.plate_f: (0.1,),
     capacitive.tab_height: (0.1, 1.0, 0.5),
     capacitive.capacitance_ratio: (0.1, 1.0, 0.5),
@@ -192,3 +195,29 @@ def test_the_public_interface_refuses_it(bad):
         if wrong != {"force_lsb_n": 2.5} and wrong != {"force_lsb_n": 1e300}:
             with pytest.raises(ValueError):
                 dataclasses.replace(array.calibration, **wrong)
+
+
+def test_numbers_are_checked_once_at_the_outermost_call(monkeypatch):
+    """volts calls rest_volts, which calls conductance. After a refusal, after an error within a call, and in
+    another thread, calls are checked again."""
+    seen, check = [], arrays.check_finite
+    monkeypatch.setattr(arrays, "check_finite", lambda name, value: seen.append(name) or check(name, value))
+    fails = arrays.finite(lambda value: {}[value])
+    for _ in range(2):
+        with pytest.raises(KeyError):
+            fails(3.0)
+        rubber.volts(2.0, 0.5, 0.01)
+        assert [seen.pop(0), *seen] == ["value", "force_n", "level", "share"]
+        with pytest.raises(ValueError, match="force_n"):
+            rubber.rest_volts(np.inf)
+        assert seen[3:] == ["force_n"]
+        seen.clear()
+    monkeypatch.undo()
+
+    @arrays.finite
+    def elsewhere(value):
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(rubber.rest_volts, np.inf).result()
+
+    with pytest.raises(ValueError, match="force_n"):
+        elsewhere(0.0)

@@ -78,12 +78,15 @@ def test_converted_circuits_lie_within_the_budget_and_reach_it(mesh, bits, gain)
         assert (rms < greatest).all() and (step < 2.1 * greatest).all()
 
 
-@pytest.mark.parametrize("bits, gain", [(8, 1), (14, 1), (12, 16), (24, 4)])
-def test_budget_is_the_worst_corner_of_the_worst_place(bits, gain):
-    """All sixteen (or, amplified, sixty-four) corners of the errors, added to the voltages of the reference
-    solver."""
+@pytest.mark.parametrize(
+    "bits, gain, pairs",
+    [(8, 1, False), (14, 1, False), (12, 16, False), (24, 4, False), (12, 16, True), (9, 5, True)],
+)
+def test_budget_is_the_worst_corner_of_the_worst_place(bits, gain, pairs):
+    """All sixteen (or, amplified on channels of their own, sixty-four) corners of the errors, added to the
+    voltages of the reference solver; with pairs, to half a sum and g half differences."""
     mesh = Mesh(7, 12, 30.0)
-    found = budget.budget(mesh, bits, gain, 3.0)
+    found = budget.budget(mesh, bits, gain, 3.0, pairs=pairs)
     h = budget.code_v(mesh, bits) / 2
     rows, columns = (0, 2, 3, 4, 6), (0, 3, 6, 8, 11)
     for row in found["loads"]:
@@ -96,6 +99,12 @@ def test_budget_is_the_worst_corner_of_the_worst_place(bits, gain):
             e = np.array([s.E1, s.E2, s.E3, s.E4])[:, None] + corners[:4]
             if gain == 1:
                 dx, dy = e[0] - e[2], e[1] - e[3]
+            elif pairs:
+                half = gain * (s.E1 - s.E3) / 2, gain * (s.E2 - s.E4) / 2
+                mean = (s.E1 + s.E3) / 2, (s.E2 + s.E4) / 2
+                e = np.array([mean[0] + half[0], mean[1] + half[1], mean[0] - half[0], mean[1] - half[1]])
+                e = e[:, None] + corners[:4]
+                dx, dy = (e[0] - e[2]) / gain, (e[1] - e[3]) / gain
             else:
                 dx, dy = s.E1 - s.E3 + corners[4] / gain, s.E2 - s.E4 + corners[5] / gain
             x, y, newtons = formula(mesh, *e, dx, dy)
@@ -128,6 +137,18 @@ def test_the_core_adds_only_its_rounding(mesh, bits, gain):
         assert (np.abs(ours / 16384 - at) <= budget.position(C, at, n, q, gain)[1] + core + 1e-9).all()
     greatest = budget.load(mesh.Kf, n, mesh.Kf * n / s.load, q)[1]
     assert (np.abs(got.load * 1e-3 / s.load - 1) <= greatest + 0.5e-3 / s.load + 1 / codes + 1e-5).all()
+
+
+def test_a_pair_of_amplifiers_by_hand():
+    """C = 20 at 0.25 of 1 V, codes of 1 mV, g = 4. One code half a step up, the other down: 20 (0.0125 +
+    0.00025) is 0.005 off; both up: 0.25/0.999, less. Two more channels: (0.25 + 20 0.5/4 mV)/0.999. A step is
+    20 mV/4 / 1 V."""
+    given = 20.0, np.array([0.25]), np.array([1.0]), 1e-3, 4
+    rms = 1e-3 / 12**0.5 * (5.25**2 + 4.75**2) ** 0.5
+    assert budget.position(*given, pairs=True)[:, 0] == pytest.approx([5e-3, 5e-3, rms])
+    assert budget.position(*given)[1, 0] == pytest.approx(0.2525 / 0.999 - 0.25)
+    mesh = Mesh(7, 7, 100.0, R0=1e3)
+    assert budget.greatest_gain(mesh, 5.0, pairs=True) == mesh.Cx == pytest.approx(24.7, abs=0.05)
 
 
 def test_bits_and_gain_buy_resolution():

@@ -124,7 +124,7 @@ class Line:
             raw = np.array(bench.lane_values(beat["data"], twin.lanes, 17, signed=True))
             over = bench.lane_values(beat["user"], twin.lanes, 1)
             forces, mask, news, cop = twin.beat(raw, over, beat["id"], beat["last"], beat["fits"])
-            faults += reports(news, twin.lanes)
+            faults += reports(news, twin.lanes, twin.columns)
             if forces is None:
                 continue
             lanes = (twin.columns - 1) % twin.lanes + 1 if beat["row_last"] else twin.lanes
@@ -361,13 +361,14 @@ WHOLE, BARE = {"Health": 1, "Tare": 1, "TareLog2": 2}, {"Health": 0, "Tare": 0}
     "rows, columns, lanes, kind",
     [
         (3, 5, 2, WHOLE),
+        (4, 10, 3, WHOLE),
         (3, 5, 1, {"Health": 1, "Tare": 0}),
         (3, 5, 4, {"Health": 0, "Tare": 1, "TareLog2": 2, "Tap": 0}),
         (5, 19, 2, BARE),
         (5, 19, 8, BARE | {"RowColumn": 1, "FractionBits": 10, "BitsPerClock": 1}),
         (32, 32, 1, BARE | {"Tap": 0}),
     ],
-    ids=["whole", "health", "tare", "taxels", "grid", "large"],
+    ids=["whole", "three", "health", "tare", "taxels", "grid", "large"],
 )
 def test_array_forces(rows, columns, lanes, kind):
     bench.run("sensor", "array_forces", {"Rows": rows, "Columns": columns, "Lanes": lanes} | kind)

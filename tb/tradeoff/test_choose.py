@@ -79,7 +79,15 @@ def test_the_cheapest_that_meets_the_needs(needs, expected):
 
 
 # Of a request for each converter: its bits, and the most that a run may fail and wait.
-OF_PART = {"MAX11123": (8,), "MAX11124": (10,), "MCP3208": (12,), "MAX11125": (12,), "AD7606": (15,)}
+OF_PART = {
+    "MAX11123": (8,),
+    "MAX11124": (10,),
+    "MCP3208": (12,),
+    "MAX11125": (12,),
+    "MAX11131": (12,),
+    "AD7606": (15,),
+    "AD7606C-16": (15,),
+}
 WRONG = (None, 0.0, 0.5, 1.0, 3.0, 20.0, 99.0)
 DELAYS = (None, 0.3, 3.6, 5.0, 5.3, 5.54821888, 10.0, 24.0, 60.0)
 
@@ -124,15 +132,18 @@ def test_a_delay_that_the_shipped_window_misses_is_met_at_the_same_rate():
 SIZES = [(3, 3), (6, 10), (5, 12), (16, 16), (7, 41), (40, 24), (64, 64)]
 
 
-@pytest.mark.parametrize("adc", ["MCP3208", "AD7606", "MAX11125"])
-def test_as_many_converters_as_the_budget_asks_for(adc):
+@pytest.mark.parametrize(
+    "adc, share", [("MCP3208", None), ("AD7606", None), ("AD7606", 0.005), ("MAX11125", None)]
+)
+def test_as_many_converters_as_the_budget_asks_for(adc, share):
     """For a centre of pressure within a millisecond: the budget of the chosen configuration, and that of the
     same array with nothing chosen, need as many as were chosen; the times are the same."""
     for rows, columns in SIZES:
-        needs = Needs("array", latency_ms=1.0, rows=rows, columns=columns, adc=adc)
+        needs = Needs("array", latency_ms=1.0, rows=rows, columns=columns, adc=adc, settle_share=share)
         part = array.part_of(adc)
         clock_hz = 24e6 if rows * columns <= 64 else 100e6
-        least = array.budget(rows, columns, clock_hz, part, settle_us=2.0, health=False)["converters_needed"]
+        least = array.budget(rows, columns, clock_hz, part, settle_share=share, health=False)
+        least = least["converters_needed"]
         if least is None:
             with pytest.raises(ValueError, match="is above 1,000"):
                 choose.chosen(needs, {})
@@ -143,7 +154,8 @@ def test_as_many_converters_as_the_budget_asks_for(adc):
             rows,
             columns,
         )
-        assert found["within_1_ms"] and 1e6 * found["total_s"] == pytest.approx(row["error"]["latency_us"])
+        assert found["within_1_ms"] and found["settled"] and made.adc.settle_share == share
+        assert 1e6 * found["total_s"] == pytest.approx(row["error"]["latency_us"])
 
 
 def test_the_next_in_each_direction_and_why():

@@ -1,6 +1,7 @@
 """The tools that measure figures: what a figure says of a summary or a record; the area of a harness."""
 
 import json
+import sys
 
 import pytest
 
@@ -69,3 +70,58 @@ def test_the_harness_is_taken_off_the_area_as_it_was_left():
     netlist = {"modules": {"harness": {"cells": dict(enumerate(cells))}}}
     assert fmax.own_area(netlist, "ecp5", "h.v") == {"lut": 1, "ff": 3}
     assert fmax.own_area(netlist, "up5k", "h.v") == {"lut": 3}
+
+
+def test_a_module_of_ones_own_is_measured_in_the_same_harness(tmp_path, monkeypatch, capsys):
+    """A port that is tied, one left open, a clock of another name; seeds and files as given. The median of
+    three is in the middle, whatever the order."""
+    monkeypatch.setattr(fmax, "ROOT", tmp_path)
+    monkeypatch.setattr(fmax, "warm_up", lambda: None)
+    found = [
+        ("ck", "input", 1),
+        ("on", "input", 2),
+        ("a", "input", 2),
+        ("no", "output", 3),
+        ("y", "output", 4),
+    ]
+    asked = []
+
+    def measure(name, block, target, seeds):
+        asked.append((name, block.read(target), target, seeds, fmax.harness(block, found)))
+        area = {"lut": 7, "ram": 0, "dsp": 1}
+        return {
+            "name": name,
+            "target": target,
+            "mhz": [90, 80, 120],
+            "mhz_worst": 80,
+            "clocks": None,
+            "area": area,
+        }
+
+    monkeypatch.setattr(fmax, "measure", measure)
+    (tmp_path / "src/deep").mkdir(parents=True)
+    (tmp_path / "src/deep/a.v").write_text("// a")
+    given = (
+        f"--top mine --set P=3 W=2 --tie on=0x5 no= --clock ck --seeds 4 9 --sources {tmp_path}/src deep/a.v"
+    )
+    monkeypatch.setattr(sys, "argv", ["fmax.py", *given.split()])
+    fmax.main()
+    ((name, read, target, seeds, text),) = asked
+    assert (name, target, seeds) == ("mine", "ecp5", [4, 9])
+    assert read == "read_verilog -sv build/fmax/mine/a.v"
+    assert (tmp_path / "build/fmax/mine/a.v").read_text() == "// a"
+    assert "mine #(.P(3), .W(2)) u_block (" in text
+    lines = [line.strip(" ,") for line in text.splitlines()]
+    assert [line for line in lines if line.startswith(".")] == [
+        ".ck(clk)", ".on(2'd1)", ".a(in_q[1:0])", ".y(out_d[3:0])"
+    ]  # fmt: skip
+    assert capsys.readouterr().out.splitlines()[1].split()[:4] == ["mine", "ecp5", "80.0", "90.0"]
+
+
+@pytest.mark.parametrize(
+    "given", ["--top x", "--sources .", "--record --seeds 4 5", "--record --sources . --top x"]
+)
+def test_what_does_not_go_together_is_refused(given, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["fmax.py", *given.split()])
+    with pytest.raises(SystemExit, match="2"):
+        fmax.main()

@@ -1,9 +1,12 @@
-"""Place and route single blocks: the worst Fmax of three seeds, the area, and the latency in ns if known.
+"""Place and route single blocks: the worst and the median Fmax of three seeds, the area, and the latency.
 
     python tools/make/fmax.py                    every entry of TABLE on each of its targets
     python tools/make/fmax.py 'divide*'          only these entries
     python tools/make/fmax.py --list             list the entries
     python tools/make/fmax.py --record 'slip*'   also record them in constraints/fmax.json
+    python tools/make/fmax.py haar-1 --seeds 1 2 3 4 5
+    python tools/make/fmax.py --sources DIR --top NAME [--set P=2] [--tie PORT=0] [--clock clk] FILE...
+                                                 your own module, of Verilog files in DIR, on the ECP5
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
 one pin, with registers on both sides, so that neither the pin count nor pin timing matters. The harness's own
@@ -13,12 +16,15 @@ None) are not in the harness, so synthesis optimises them away. The logs are in 
 
 import argparse
 import json
+import shutil
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
+from statistics import median
 from threading import Lock
+from typing import NamedTuple
 
 from meissner.builds.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
 from meissner.tradeoff.area import BLOCKS
@@ -97,6 +103,9 @@ CORE_TIED = {
     **{"rx_i": 1, "out_ready_i": 1, "verdict_o": None, "decision_o": None, "in_ready_o": None},
 }
 
+AD7606 = {"Part": 2, "Lanes": 2, "ClkKhz": 100000}
+UNCOUNTED = dict.fromkeys(("dropped_o", "overrun_o", "timeout_o", "mistagged_o", "over_range_o"))
+
 # Name: module, parameters, latency in clocks for the ns figure (or None), targets, tied ports (or nothing).
 ALONE = {"Health": 0, "Tare": 0, "Tap": 0}  # calibration and centre of pressure
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
@@ -112,6 +121,13 @@ TABLE = {
     "slip1-adc_spi": ("msn_core", SLIP1_CORE | {"Serial": 1}, None, "up5k", CORE_TIED),
     "slip1-parallel": ("msn_core", SLIP1_CORE, None, "up5k", CORE_TIED),
     **dict(demod_entries()),
+    "haar-1": ("msn_haar", {"Channels": 1, "SampleBits": 16, "Level": 2}, 2, "ecp5"),
+    "haar-1-level3": ("msn_haar", {"Channels": 1, "SampleBits": 16, "Level": 3}, 3, "ecp5"),
+    "haar-8": ("msn_haar", {"Channels": 8, "SampleBits": 16, "Level": 2}, 2, "ecp5"),
+    "divide-34": ("msn_divide", {}, 9, "ecp5"),
+    "divide-34-turn1": ("msn_divide", {"BitsPerClock": 1}, 16, "ecp5"),
+    "adc_spi-ad7606": ("msn_adc_spi", AD7606, None, "ecp5"),
+    "adc_spi-ad7606-uncounted": ("msn_adc_spi", AD7606, None, "ecp5", UNCOUNTED),
     "adc_spi-max11123": (
         "msn_adc_spi",
         {"Part": 3, "ClkKhz": 25000, "SclkKhz": 16000, "Trigger": 1, "SampleBits": 13},
@@ -159,10 +175,27 @@ TABLE = {
 }
 
 
-def ports(module, parameters, stem):
-    """The block's ports with these parameters, without constant outputs: [(name, direction, bits)]."""
+class Block(NamedTuple):
+    """An entry of TABLE, or a module of the files ``sources`` in place of rtl/."""
+
+    module: str
+    parameters: dict
+    clocks: int | None = None
+    targets: str = "ecp5"
+    tied: dict | tuple = ()
+    sources: tuple = ()
+    clock: str = "clk_i"
+
+    def read(self, target=None):
+        """Yosys's command that reads it."""
+        return f"read_verilog -sv {' '.join(self.sources)}" if self.sources else read_rtl(target)
+
+
+def ports(block, stem):
+    """The block's ports with its parameters, without constant outputs: [(name, direction, bits)]."""
     netlist = f"{stem}.ports.json"
-    script = f"{read_rtl()}; {chparam(module, parameters)}hierarchy -top {module}; proc; write_json {netlist}"
+    script = f"{block.read()}; {chparam(block.module, block.parameters)}hierarchy -top {block.module}; proc; "
+    script += f"write_json {netlist}"
     yosys(script, f"{stem}.ports.log")
     modules = json.loads((ROOT / netlist).read_text())["modules"].values()
     top = next(m for m in modules if int(m["attributes"].get("top", "0"), 2))
@@ -173,14 +206,15 @@ def ports(module, parameters, stem):
     ]
 
 
-def harness(module, parameters, tied, found):
+def harness(block, found):
     """Verilog text of the harness."""
+    tied = dict(block.tied)
     # A port that no connection names is left open.
-    free = [(n, direction, bits) for n, direction, bits in found if n != "clk_i" and n not in tied]
+    free = [(n, direction, bits) for n, direction, bits in found if n not in (block.clock, *tied)]
     inputs = [(n, bits) for n, direction, bits in free if direction == "input"]
     outputs = [(n, bits) for n, direction, bits in free if direction == "output"]
     ins, outs = sum(bits for _, bits in inputs), sum(bits for _, bits in outputs)
-    pins = ["    .clk_i(clk)"]
+    pins = [f"    .{block.clock}(clk)"]
     for name, _, bits in found:
         if tied.get(name) is not None:
             pins.append(f"    .{name}({bits}'d{tied[name] % (1 << bits)})")
@@ -189,9 +223,9 @@ def harness(module, parameters, tied, found):
         for name, bits in group:
             pins.append(f"    .{name}({vector}[{at + bits - 1}:{at}])")
             at += bits
-    setting = ", ".join(f".{name}({value})" for name, value in parameters.items())
+    setting = ", ".join(f".{name}({value})" for name, value in block.parameters.items())
     connections = ",\n".join(pins)
-    text = f"""// Generated by tools/make/fmax.py around {module}.
+    text = f"""// Generated by tools/make/fmax.py around {block.module}.
 module harness (input wire clk, input wire sdi, output wire sdo);
   reg  [{ins - 1}:0] in_q;
   wire [{outs - 1}:0] out_d;
@@ -202,7 +236,7 @@ module harness (input wire clk, input wire sdi, output wire sdo);
     fold  <= {{fold, 1'b0}} ^ out_q;
   end
   assign sdo = fold[{outs - 1}];
-  {module} #({setting}) u_block (
+  {block.module} #({setting}) u_block (
 {connections}
   );
 endmodule
@@ -231,13 +265,11 @@ def own_area(netlist, target, source):
     return {"lut": folds, "ff": len(own)}
 
 
-def synthesise(name, target):
-    """Synthesise entry ``name``; returns the netlist's stem and the harness's own area."""
-    module, parameters, _, _, *tied = TABLE[name]
+def synthesise(name, block, target):
+    """Synthesise a block; returns the netlist's stem and the harness's own area."""
     stem = f"{OUT}/{name}-{target}"
-    text = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
-    (ROOT / f"{stem}.v").write_text(text)
-    script = f"{read_rtl(target)} {stem}.v; {synthesis(TARGETS[target]['synth'], 'harness')}; "
+    (ROOT / f"{stem}.v").write_text(harness(block, ports(block, stem)))
+    script = f"{block.read(target)} {stem}.v; {synthesis(TARGETS[target]['synth'], 'harness')}; "
     script += f"write_json {stem}.json"
     yosys(script, f"{stem}.yosys.log")
     return stem, own_area(json.loads((ROOT / f"{stem}.json").read_text()), target, f"{stem}.v")
@@ -256,18 +288,18 @@ def place(stem, target, seed):
     return mhz, {short: result["utilization"][cell]["used"] for short, cell in spec["area"].items()}
 
 
-def measure(name, target):
-    stem, own = synthesise(name, target)
-    runs = [place(stem, target, seed) for seed in SEEDS]
+def measure(name, block, target, seeds=SEEDS):
+    stem, own = synthesise(name, block, target)
+    runs = [place(stem, target, seed) for seed in seeds]
     mhz = [round(m, 2) for m, _ in runs]
     area = {short: used - own.get(short, 0) for short, used in runs[0][1].items()}
-    module, parameters, clocks, *_ = TABLE[name]
+    clocks = block.clocks
     return {
         "name": name,
         "target": target,
-        "module": module,
-        "parameters": parameters,
-        "seeds": list(SEEDS),
+        "module": block.module,
+        "parameters": block.parameters,
+        "seeds": list(seeds),
         "mhz": mhz,
         "mhz_worst": min(mhz),
         "clocks": clocks,
@@ -278,7 +310,7 @@ def measure(name, target):
 
 def table(results):
     lines = [
-        f"{'block':28} {'target':6} {'MHz':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} "
+        f"{'block':28} {'target':6} {'MHz':>6} {'median':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} "
         f"{'RAM':>4} {'DSP':>4} {'clocks':>6} {'ns':>7}"
     ]
     for r in results:
@@ -286,31 +318,60 @@ def table(results):
         seeds = " ".join(f"{m:6.1f}" for m in r["mhz"])
         clocks, ns = ("", "") if r["clocks"] is None else (r["clocks"], r["ns"])
         lines.append(
-            f"{r['name']:28} {r['target']:6} {r['mhz_worst']:6.1f} {seeds:>20} {area['lut']:7} "
-            f"{area.get('ff', ''):>6} {area['ram']:4} {area['dsp']:4} {clocks:>6} {ns:>7}"
+            f"{r['name']:28} {r['target']:6} {r['mhz_worst']:6.1f} {median(r['mhz']):6.1f} {seeds:>20} "
+            f"{area['lut']:7} {area.get('ff', ''):>6} {area['ram']:4} {area['dsp']:4} {clocks:>6} {ns:>7}"
         )
     return "\n".join(lines)
 
 
+def foreign(options):
+    """The Block that --sources describes; its files are copied to build/, which YoWASP can see."""
+    folder = OUT / options.top
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    for file in options.names:
+        shutil.copyfile(options.sources / file, ROOT / folder / Path(file).name)
+    sources = tuple(f"{folder}/{Path(file).name}" for file in options.names)
+    pairs = [dict(one.split("=", 1) for one in given) for given in (options.set, options.tie)]
+    tied = {port: int(value, 0) if value else None for port, value in pairs[1].items()}
+    return Block(options.top, pairs[0], tied=tied, sources=sources, clock=options.clock)
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("names", nargs="*", default=["*"], help="entries, shell patterns")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("names", nargs="*", default=["*"], help="entries, shell patterns; or files of DIR")
     parser.add_argument("-j", "--jobs", type=int, default=1)
     parser.add_argument("--record", action="store_true", help="into constraints/fmax.json too")
     parser.add_argument("--list", action="store_true", help="print the entries and stop")
+    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
+    parser.add_argument("--sources", type=Path, metavar="DIR", help="measure a module of the files in DIR")
+    parser.add_argument("--top", help="its name")
+    parser.add_argument("--clock", default="clk", help="its clock's port (%(default)s)")
+    parser.add_argument("--set", nargs="*", default=[], metavar="P=VALUE", help="its parameters")
+    parser.add_argument(
+        "--tie", nargs="*", default=[], metavar="PORT=VALUE", help="inputs; without value: open"
+    )
     options = parser.parse_args()
-    unknown = [n for n in options.names if not any(fnmatch(entry, n) for entry in TABLE)]
+    if options.record and (options.sources or options.seeds != SEEDS):
+        parser.error(f"--record is for entries of TABLE, with seeds {SEEDS}")
+    if bool(options.sources) != bool(options.top):
+        parser.error("--sources and --top go together")
+    blocks = {name: Block(*entry) for name, entry in TABLE.items()}
+    if options.sources:
+        blocks, options.names = {options.top: foreign(options)}, ["*"]
+    unknown = [n for n in options.names if not any(fnmatch(entry, n) for entry in blocks)]
     if unknown:
         parser.error(f"no entry matches {unknown[0]}; try --list")
     work = [
         (name, target)
-        for name, entry in TABLE.items()
-        for target in entry[3].split()
+        for name, block in blocks.items()
+        for target in block.targets.split()
         if any(fnmatch(name, n) for n in options.names)
     ]
     if options.list:
         for name, target in work:
-            print(f"{name:28} {target:6} {TABLE[name][0]} {TABLE[name][1]}")
+            print(f"{name:28} {target:6} {blocks[name].module} {blocks[name].parameters}")
         return
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
     warm_up()
@@ -319,7 +380,7 @@ def main():
 
     def job(pair):
         begin = time.monotonic()
-        result = measure(*pair)
+        result = measure(pair[0], blocks[pair[0]], pair[1], options.seeds)
         took = time.monotonic() - begin
         print(f"{pair[0]} {pair[1]}: {result['mhz_worst']} MHz, {took:.0f} s", file=sys.stderr, flush=True)
         if options.record:

@@ -19,8 +19,8 @@ WAIVERS = ROOT / "rtl/verilator.vlt"
 # Each tool's name and its command.
 VERILATOR = ["verilator", "verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS)]
 SLANG = ["slang", sys.executable, str(ROOT / "tools/make/slang.py"), "-Werror"]  # no waivers
-# Models of the vendors' cells that rtl/ecp5 uses.
-MODELS = ["model/meissner/engines/cells/MULT18X18D.v"]
+# The vendors' cells that rtl/ecp5 uses.
+MODELS = [CELLS, "model/meissner/engines/cells/MULT18X18D.v"]
 # Yosys reads ~Bits'(1) as (~Bits)'(1), without a warning if the rest is constant.
 CAST = re.compile(r"[~!&|^+-](?!signed'|unsigned')\w+'\(")
 PYTHON = ("model", "tb", "tools", "examples")

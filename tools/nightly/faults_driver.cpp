@@ -403,6 +403,7 @@ void read(const char *path) {
 struct Converter {
   meissner::Mcp3208 mcp3208;
   meissner::Ad7606 ad7606{60};
+  meissner::Ad7606c ad7606c{10};
   meissner::Max1112x<8> max8;
   meissner::Max1112x<10> max10;
   meissner::Max1112x<12> max12;
@@ -420,7 +421,8 @@ struct Converter {
     if (part == 2) step(ad7606, cs_n, sclk, mosi, convst, codes);
     if (part == 3) step(max8, cs_n, sclk, mosi, convst, codes);
     if (part == 4) step(max10, cs_n, sclk, mosi, convst, codes);
-    if (part == 5) step(max12, cs_n, sclk, mosi, convst, codes);
+    if (part == 5 || part == 7) step(max12, cs_n, sclk, mosi, convst, codes);
+    if (part == 6) step(ad7606c, cs_n, sclk, mosi, convst, codes);
   }
 };
 

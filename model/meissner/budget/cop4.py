@@ -6,7 +6,9 @@ The mesh is solved with one point pressed at places all over it. The converter s
 electrodes, by default ROOM V0, through whatever divider that needs: one code is q = 2 range_v / 2^bits there,
 and each electrode is wrong by at most q/2. With a differential gain g above 1, two more channels convert
 g (E1-E3) and g (E2-E4), so these differences are wrong by at most q/2g; N, M and D still come from the four
-electrodes.
+electrodes. With ``pairs``, the amplifiers are those of physics.cop4_config: each pair of electrodes keeps its
+mean and its difference is multiplied, on the same four channels, so a difference is wrong by at most q/g and
+a sum by q, of the same two codes.
 Each result is a ratio of linear functions, so its greatest error lies at a corner of those intervals and is
 exact, not an estimate.
 
@@ -43,13 +45,14 @@ def code_v(mesh, bits, range_v=None):
     return 2 * (range_v or ROOM * mesh.V0) / 2**bits
 
 
-def greatest_gain(mesh, range_v=None):
+def greatest_gain(mesh, range_v=None, pairs=False):
     """The differential gain beyond which E1-E3 or E2-E4 may leave the converter's range; inf for one taxel.
 
-    |E1-E3| <= N / Cx, and N stays below 2 V0.
+    |E1-E3| <= N / Cx, and N stays below 2 V0. With ``pairs`` E1 and E3 would leave the rails at g > Cx.
     """
     spans = [C for C in (mesh.Cx, mesh.Cy) if C]
-    return (range_v or ROOM * mesh.V0) * min(spans) / (2 * mesh.V0) if spans else float("inf")
+    room = 1.0 if pairs else (range_v or ROOM * mesh.V0) / (2 * mesh.V0)
+    return room * min(spans, default=float("inf"))
 
 
 def solve(mesh, load_n):
@@ -74,7 +77,7 @@ def _rms(q, noise_v):
     return np.hypot(q / np.sqrt(12), noise_v)
 
 
-def position(C, at, n, q, gain, noise_v=0.0):
+def position(C, at, n, q, gain, noise_v=0.0, pairs=False):
     """Step of one code, greatest error, rms error [places] of a coordinate ``at`` with its constant ``C``.
 
     ``n`` volts; ``q`` volts a code. Rms: to first order, for independent errors uniform over their
@@ -83,9 +86,9 @@ def position(C, at, n, q, gain, noise_v=0.0):
     if not C:
         return np.zeros((3, len(at)))
     difference = at * n / C
-    if gain == 1:
-        corners = [(a - b, a + b) for a in (-q / 2, q / 2) for b in (-q / 2, q / 2)]
-        rms = np.hypot(C + at, C - at)
+    if gain == 1 or pairs:
+        corners = [((a - b) / gain, a + b) for a in (-q / 2, q / 2) for b in (-q / 2, q / 2)]
+        rms = np.hypot(C / gain + at, C / gain - at)
     else:
         corners = [(a / gain, b) for a in (-q / 2, q / 2) for b in (-q, q)]
         rms = np.hypot(C / gain, np.sqrt(2) * at)
@@ -105,11 +108,11 @@ def load(Kf, n, d, q, noise_v=0.0):
     return np.stack([q / d, greatest, np.hypot(1 / n + 1 / d, 1 / d) * np.sqrt(2) * _rms(q, noise_v)])
 
 
-def _worst(mesh, circuits, bits, gain, range_v=None, noise_v=0.0):
+def _worst(mesh, circuits, bits, gain, range_v=None, noise_v=0.0, pairs=False):
     """Step, greatest and rms error of x, y (fractions of the range) and load, at the worst places."""
     q = code_v(mesh, bits, range_v)
-    x = position(mesh.Cx, circuits.x, circuits.n, q, gain, noise_v).max(axis=1) / 2
-    y = position(mesh.Cy, circuits.y, circuits.n, q, gain, noise_v).max(axis=1) / 2
+    x = position(mesh.Cx, circuits.x, circuits.n, q, gain, noise_v, pairs).max(axis=1) / 2
+    y = position(mesh.Cy, circuits.y, circuits.n, q, gain, noise_v, pairs).max(axis=1) / 2
     return x, y, load(mesh.Kf, circuits.n, circuits.d, q, noise_v).max(axis=1)
 
 
@@ -129,7 +132,7 @@ def pitch(mesh):
     return 0.5 / (side - 1) if side > 1 else None
 
 
-def budget(mesh, bits=16, gain=1.0, load_n=5.0, range_v=None, noise_v=0.0):
+def budget(mesh, bits=16, gain=1.0, load_n=5.0, range_v=None, noise_v=0.0, pairs=False):
     """The budget as a dict of numbers (None: no such number); ValueError if it cannot be computed.
 
     ``loads``: rows over the load at ``bits`` and ``gain``; ``sweep``: rows over bits and gain at ``load_n``;
@@ -143,7 +146,8 @@ def budget(mesh, bits=16, gain=1.0, load_n=5.0, range_v=None, noise_v=0.0):
         raise ValueError(f"gain = {gain:g} must be 1 (no difference amplifiers) or more")
     if not 0 < load_n < float("inf"):
         raise ValueError(f"load = {load_n:g} must be a number of newtons above 0")
-    top, converter = greatest_gain(mesh, range_v), {"range_v": range_v, "noise_v": noise_v}
+    top = greatest_gain(mesh, range_v, pairs)
+    converter = {"range_v": range_v, "noise_v": noise_v, "pairs": pairs}
     if gain > top:
         raise ValueError(
             f"gain = {gain:g} is beyond {top:.4g}: a difference could leave the converter's range"

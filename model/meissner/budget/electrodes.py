@@ -16,7 +16,7 @@ LOAD_N = 5.0
 
 def of_config(config):
     """``config``: meissner.builds.build.Config of four electrodes. ``resolution``: budget.cop4 over the
-    converter's own range, rms with its own noise."""
+    converter's own range, rms with its own noise, behind the pairs of amplifiers of ``difference_gain``."""
     of = config.cop4
     noise_v = config.input.noise_v / of.gain
     terms = converter_terms(config.converter) | {"cop4": CLOCKS[of.terms is not None]}
@@ -31,7 +31,8 @@ def of_config(config):
         "total_clocks": total,
         "total_s": total / clock_hz,
         "resolution": cop4.budget(
-            of.mesh, of.adc.bits, load_n=LOAD_N, range_v=of.adc.high_v / of.gain, noise_v=noise_v
+            *(of.mesh, of.adc.bits, of.difference_gain, LOAD_N, of.adc.high_v / of.gain, noise_v),
+            pairs=True,
         ),
     }
 

@@ -10,9 +10,9 @@ from meissner.builds import input_range
 from meissner.builds.features import FEATURES
 from meissner.builds.input_range import Sensed, Wiring
 from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
+from meissner.builds.settling import Settling
 from meissner.builds.units import Units
 from meissner.physics.adc import Adc as Converter
-from meissner.physics.adc import old_rows, unsettled
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, naming, values
 from meissner.twins.cop.cop_slip import CopSlipRegisters
@@ -38,7 +38,7 @@ class Config:
     about: str
     clk_khz: int
     sensor: Channels | Taxels | Electrodes
-    adc: Adc
+    adc: Adc | ArrayAdc
     link: Link
     rate_hz: float
     slip: SlipConfig | None = None
@@ -108,17 +108,16 @@ class Config:
         assert isinstance(self.adc, ArrayAdc)
         return self.adc
 
-    @property
-    def settle_clocks(self) -> int:
-        return max(1, ceil(exact(self._array_adc.settle_us) * self.clk_khz / 1000))
+    @cached_property
+    def settling(self) -> Settling:
+        """What the scan of an array waits for."""
+        adc = self._array_adc
+        return Settling(self.scan, adc.volts, adc.settle_share, adc.source_ohm)
 
-    @property
-    def unsettled(self) -> str:
-        """The sentence about the old row that the converters' low pass leaves; empty if it settles."""
-        if not self.array:
-            return ""
-        settle_s = self.settle_clocks / (1000 * self.clk_khz)
-        return unsettled(self.adc.part, settle_s, old_rows(self.adc.part, settle_s, self.adc.volts))
+    @cached_property
+    def settle_clocks(self) -> int:
+        with naming("[adc]"):
+            return self.settling.clocks(self._array_adc.settle_us)
 
     @cached_property
     def scan(self) -> ScanAdc:
@@ -187,6 +186,7 @@ class Config:
                 most_load=rows * columns * self.most_force,
                 newtons_per_code=self.array.newtons_per_count,
                 pitch_mm=self.array.pitch_mm,
+                check_settle=self.settling.check,
             )
             with naming("[cop]: min_load_n"):
                 return replace(known, min_load=known.load_code(self.min_load_n))
@@ -280,16 +280,12 @@ class Config:
                 f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
                 f"so at least {least:.3g} Hz"
             )
-        if self.health and self.shape[1] % self._array_adc.converters:
-            raise ValueError(
-                f"[sensor]: columns = {self.shape[1]} must be a multiple of the "
-                f"{self._array_adc.converters} converters for health"
-            )
-        if self.array and self.settle_clocks > 65535:
-            most = 65535 * 1000 / self.clk_khz
-            raise ValueError(
-                f"[adc]: settle_us = {self._array_adc.settle_us:g} must be at most {most:.1f}, 65535 clocks"
-            )
+        if self.array:
+            with naming("[adc]"):
+                self.settling.check(self.settle_clocks)
+            if self.settle_clocks > 65535:
+                most, us = 65535 * 1000 / self.clk_khz, self.settle_clocks * 1000 / self.clk_khz
+                raise ValueError(f"[adc]: settle_us = {us:.6g} must be at most {most:.1f}, 65535 clocks")
         if self.serial and (self.channels != 1 or self.part.data_bits > 12 or self.link.registers):
             raise ValueError(
                 "[slip]: serial must go with one channel of at most 12 bits and registers = false"

@@ -33,14 +33,14 @@ class Rails(NamedTuple):
 
 
 def converter(part: Part, volts: float) -> Adc:
-    """The converter with its own noise, an AD7606's in proportion to its range.
+    """The converter with its own noise, a symmetric one's in proportion to its range.
 
     A part without a figure counts as an MCP3208. ValueError if the part does not have such a range.
     """
     least, most = VOLTS[part.signed]
     if not least <= volts <= most:
         raise ValueError(f"volts = {volts:g} must lie in {least:g} .. {most:g} for the {part.name.upper()}")
-    known = PARTS["AD7606" if part.signed else "MCP3208"]
+    known = PARTS.get(part.name.upper(), PARTS["MCP3208"])
     noise = known.noise_v * (volts / known.high_v if part.signed else 1)
     return Adc(part.data_bits, -volts if part.signed else 0.0, volts, noise)
 

@@ -202,10 +202,11 @@ def _lines(parameters: dict[str, int]) -> list[Need]:
             Need("reset", "adc_reset_o", 1, (f"RESET of {every}",)),
             Need("busy", "adc_busy_i", converters, tuple(f"BUSY of {name}" for name in of)),
         ]
-        outputs = [f"DOUT{lane} of {name}" for name in of for lane in "AB"[:lanes]]
+        outputs = [f"DOUT{lane} of {name}" for name in of for lane in "ABCDEFGH"[:lanes]]
     else:
-        found += [Need("mosi", "adc_mosi_o", 1, (f"DIN of {every}",))]
         outputs = [f"DOUT of {name}" for name in of]
+    if part.cs_per_channel:
+        found += [Need("mosi", "adc_mosi_o", 1, (f"DIN of {every}",))]
     found += [Need("miso", "adc_miso_i", converters * lanes, tuple(outputs))]
     if parameters.get("Array"):
         rows, lines = parameters["Rows"], row_pins(parameters)

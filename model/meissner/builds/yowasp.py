@@ -25,7 +25,7 @@ class ToolError(RuntimeError):
 
 # Sources that a family replaces by its own.
 INSTEAD: dict[str | None, dict[str, str]] = {
-    "ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.sv"}
+    "ecp5": {f"rtl/common/{name}.sv": f"rtl/ecp5/{name}.sv" for name in ("msn_multiply", "msn_ram")}
 }
 
 

@@ -79,6 +79,11 @@ struct Ad7606 {
     convst_before = convst;
   }
 
+ protected:
+  int32_t results[8] = {};
+  bool cs_before = true;
+  bool sclk_before = true;
+
  private:
   void show() {
     const int channel = bit / 16;
@@ -89,15 +94,49 @@ struct Ad7606 {
   }
 
   int32_t sampled[8] = {};
-  int32_t results[8] = {};
   int left = 0;
   int bit = 0;
-  bool cs_before = true;
-  bool sclk_before = true;
   bool convst_before = false;
 };
 
-// Maxim MAX11123, MAX11124, MAX11125, manual scan: CLK idles high; command bits are taken on rising edges, answer bits
+// Analog Devices AD7606C-16, software mode: a CS frame for each word, on as many lanes as register 2 says. SDI is taken on
+// falling SCLK. A word that reads a register (bit 14) leaves the conversions; then each word writes one, and 0 ends this.
+struct Ad7606c : Ad7606 {
+  explicit Ad7606c(int clocks = 10) : Ad7606(clocks) {}
+
+  void step(bool cs_n, bool sclk, bool mosi, bool convst, const int32_t *codes) {
+    const bool was_busy = busy, begins = !cs_n && cs_before, falls = !cs_n && !sclk && sclk_before;
+    const bool rises = !cs_n && sclk && !sclk_before, ends = cs_n && !cs_before;
+    Ad7606::step(cs_n, sclk, mosi, convst, codes);
+    if (was_busy && !busy) word = 0;
+    if (begins) received = bits = 0;
+    if (falls) received = received << 1 | (mosi ? 1 : 0), ++bits;
+    if (ends && bits == 16) {
+      if (!writes) {
+        ++word;
+        writes = received >> 14 == 1;
+      } else {
+        if (received >> 8 == 2) lanes = 1 << (received >> 3 & 3);
+        writes = received != 0;
+      }
+    }
+    if (!begins && !rises) return;
+    miso = 0;
+    for (int lane = 0; lane < lanes && word < 8 / lanes && !writes; ++lane) {
+      const int value = results[word + 8 / lanes * lane];
+      miso = static_cast<uint8_t>(miso | (value >> (15 - bits) & 1) << lane);
+    }
+  }
+
+ private:
+  int lanes = 2;
+  int word = 0;
+  int received = 0;
+  int bits = 0;
+  bool writes = false;
+};
+
+// Maxim MAX11123, MAX11124, MAX11125, MAX11131, manual scan: CLK idles high; command bits are taken on rising edges, answer bits
 // sent on falling ones. CS falling samples the channel that the previous word requested; this word carries its answer.
 template <int Bits>
 struct Max1112x {
@@ -130,6 +169,7 @@ struct Max1112x {
 using Max11123 = Max1112x<8>;
 using Max11124 = Max1112x<10>;
 using Max11125 = Max1112x<12>;
+using Max11131 = Max11125;
 
 // Common interface of these converters.
 struct Converter {
@@ -158,6 +198,8 @@ inline std::unique_ptr<Converter> converter(int32_t number, int busy_clocks) {
     case 3: return std::make_unique<ConverterOf<Max11123>>();
     case 4: return std::make_unique<ConverterOf<Max11124>>();
     case 5: return std::make_unique<ConverterOf<Max11125>>();
+    case 6: return std::make_unique<ConverterOf<Ad7606c>>(Ad7606c{busy_clocks});
+    case 7: return std::make_unique<ConverterOf<Max11131>>();
     default: return nullptr;
   }
 }

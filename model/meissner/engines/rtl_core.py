@@ -14,7 +14,7 @@ from meissner.builds.keys import ArrayAdc
 from meissner.engines import verilated
 from meissner.twins.link.uart import sixteenths
 
-CONVERSION_NS = 4000  # of a converter with BUSY
+CONVERSION_NS = 4000  # of a converter with BUSY, or its longest if that is shorter
 PIECE = 2000  # clocks simulated per read of the line
 
 
@@ -77,7 +77,7 @@ class CoreOnPins:
         places = len(config.scan.scan.places()) if array else 1
         shown = 0 if board is None else config.period_clocks
         bit = sixteenths(1000 * config.clk_khz, config.link.baud)
-        busy = CONVERSION_NS * config.clk_khz // 1_000_000
+        busy = min(CONVERSION_NS, config.part.conversion_max_ns) * config.clk_khz // 1_000_000
         self._core = self._lib.sensor_new(size, busy, places, shown, codes.ctypes.data, len(codes), bit)
         self._waiting = bytearray()
 

@@ -17,12 +17,12 @@ from meissner.engines.verilated import library
 from meissner.twins.link.registers import ADDRESSES, members, words
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 
-ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
+ADC_PARTS = {"MCP3208": 1, "AD7606": 2, "AD7606C-16": 6}  # msn_pkg::adc_part_e
 # The parts of msn_core that slip does not need are left out; packets go as bytes to nobody.
 _CORE = {"Uart": 0, "Statistics": 0, "SlipDepth": 2}
 # The clock of a pin-level run: the slowest with the MCP3208's full 2 MHz, since simulation takes time per
-# clock. BUSY then lasts 4 us, as the AD7606's does.
-PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, 16
+# clock. BUSY then lasts 4 us, as the AD7606's does, or 0.5 us.
+PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, {"AD7606": 16, "AD7606C-16": 2}
 
 
 class _PinFacts(ctypes.Structure):
@@ -106,7 +106,7 @@ class Core:
         facts = _PinFacts()
         self._write(words("adc", {"period": period}, {}))
         count = self._lib.core_pins(
-            *(self._core, ADC_PARTS[part], PIN_BUSY_CLOCKS, ADDRESSES["adc.enable"]),
+            *(self._core, ADC_PARTS[part], PIN_BUSY_CLOCKS.get(part, 0), ADDRESSES["adc.enable"]),
             *(codes.ctypes.data, codes.size),
             *(moving.ctypes.data, p2p.ctypes.data, flags.ctypes.data, p2p.size, *trace),
             *(None if trace_path is None else str(trace_path).encode(), PIN_CLK_KHZ, ctypes.byref(facts)),

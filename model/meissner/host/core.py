@@ -138,7 +138,9 @@ class Core:
         size = self._ask(bridge.READ, names.place("core.size"))
         widths = self._ask(bridge.READ, names.place("core.widths"))
         self.build = {name: names.place(f"core.widths.{name}").value(widths) for name in names.WIDTHS}
-        self.build["beats"] = self._ask(bridge.READ, names.place("core.beats"))
+        self.build |= {
+            name: self._ask(bridge.READ, names.place(f"core.{name}")) for name in ("beats", "lanes")
+        }
         self.features = [group for bit, group in enumerate(names.FEATURES) if bits >> bit & 1]
         self._assembler.units = replace(
             self.units,

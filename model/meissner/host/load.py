@@ -12,7 +12,6 @@ import numpy as np
 
 from meissner.calibration import GAIN_SHIFT, Calibration
 from meissner.host.core import Core
-from meissner.twins.shared import LANES
 
 SWAP_S = 5.0  # the longest wait for a frame's end, or for the end of an averaging
 TRIES = 3  # if the core is reset meanwhile, or a swap had to be sent again
@@ -73,8 +72,7 @@ def check(core: Core, lines: Calibration) -> None:
 def _places(core: Core) -> Iterator[tuple[int, int, int, int]]:
     """(row, column, beat, lanes) of every cell; the last column's lanes include those beyond it."""
     assert core.units.rows and core.units.columns
-    row_beats = core.build["beats"] // core.units.rows
-    lanes = next(lanes for lanes in LANES if -(-core.units.columns // lanes) == row_beats)
+    row_beats, lanes = core.build["beats"] // core.units.rows, core.build["lanes"]
     for row, column in np.ndindex(core.units.rows, core.units.columns):
         lane = column % lanes
         last = column == core.units.columns - 1

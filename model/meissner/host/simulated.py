@@ -69,6 +69,7 @@ class SimulatedCore:
             ("core", "size", "columns"): size[1],
             ("core", "clk_khz", "value"): clk_khz,
             ("core", "beats", "value"): taxels,
+            ("core", "lanes", "value"): 1,
         }
         self.units = units.Units()  # what a host should know about this core
         self._make = source if callable(source) else lambda core: iter(source)

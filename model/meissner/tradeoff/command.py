@@ -13,7 +13,7 @@ from meissner.tradeoff import sweep, table, worker
 from meissner.tradeoff.area import recorded
 from meissner.tradeoff.points import point_of
 
-NEEDED = ("error", "board", "channels", "window", "rows", "columns", "lut")
+NEEDED = ("error", "board", "channels", "window", "rows", "columns", "lut", "settle_share")
 RECORD = Path(__file__).with_name("measured.json")
 
 

@@ -1,6 +1,6 @@
 """What the twins of every stage share: the checks of their parameters, and the base of those with a state."""
 
-LANES = (1, 2, 4, 8)
+LANES = range(1, 9)  # columns of a beat
 LOAD_BITS = 16  # of four electrodes
 
 

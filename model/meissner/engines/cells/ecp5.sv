@@ -2,6 +2,7 @@
 //
 // The cells of an ECP5 that Yosys has only as black boxes, for simulating netlists: one clock, as synthesis uses them.
 
+// verilator lint_off DECLFILENAME
 module DP16KD #(
   parameter int    DATA_WIDTH_A = 18, DATA_WIDTH_B = 18,
   parameter string WRITEMODE_A = "NORMAL", WRITEMODE_B = "NORMAL", REGMODE_A = "NOREG", REGMODE_B = "NOREG",
@@ -39,17 +40,25 @@ module DP16KD #(
   localparam bit WideIn  = DATA_WIDTH_A == 36;
   localparam bit WideOut = DATA_WIDTH_B == 36;
   logic [17:0] dia, dib;
-  logic [35:0] doa, dob;
+  logic [35:0] doa, dob, doa_q, dob_q, out_a, out_b;
   assign dia = {DIA17, DIA16, DIA15, DIA14, DIA13, DIA12, DIA11, DIA10, DIA9, DIA8, DIA7, DIA6, DIA5, DIA4, DIA3,
       DIA2, DIA1, DIA0};
   assign dib = {DIB17, DIB16, DIB15, DIB14, DIB13, DIB12, DIB11, DIB10, DIB9, DIB8, DIB7, DIB6, DIB5, DIB4, DIB3,
       DIB2, DIB1, DIB0};
   assign {DOA17, DOA16, DOA15, DOA14, DOA13, DOA12, DOA11, DOA10, DOA9, DOA8, DOA7, DOA6, DOA5, DOA4, DOA3,
       DOA2, DOA1, DOA0} =
-      WideOut ? dob[17:0] : doa[17:0];
+      WideOut ? out_b[17:0] : out_a[17:0];
   assign {DOB17, DOB16, DOB15, DOB14, DOB13, DOB12, DOB11, DOB10, DOB9, DOB8, DOB7, DOB6, DOB5, DOB4, DOB3,
       DOB2, DOB1, DOB0} =
-      WideOut ? dob[35:18] : dob[17:0];
+      WideOut ? out_b[35:18] : out_b[17:0];
+
+  // The output register, a clock later.
+  always_ff @(posedge CLKA) begin
+    if (OCEA) doa_q <= RSTA ? '0 : doa;
+    if (OCEB) dob_q <= RSTB ? '0 : dob;
+  end
+  assign out_a = (REGMODE_A == "OUTREG") ? doa_q : doa;
+  assign out_b = (REGMODE_B == "OUTREG") ? dob_q : dob;
 
   function automatic int mode(string name);
     mode = (name == "WRITETHROUGH") ? 1 : (name == "READBEFOREWRITE") ? 2 : 0;

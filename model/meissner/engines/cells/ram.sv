@@ -6,6 +6,7 @@
 // 2 .. 0 select its bits. While the port writes, its output keeps its value (mode 0), shows the new data (1) or the old
 // data (2). Reading a byte that the other port writes is undefined in silicon; here the byte is inverted.
 
+// verilator lint_off DECLFILENAME
 module msn_gate_ram #(
   parameter int ByteBits = 9,
   parameter int WidthA   = 18,

@@ -41,7 +41,7 @@ def quiet_v(scene, condition, seeds):
     ripple_n = plate.RIPPLE_N * min(1.0, CLOSE_N_S / RIPPLE_N_S) * Ripple(scene.rate_hz, rngs).next(count)
     volts = rubber.rest_volts(np.maximum(CLOSE_N_S / scene.rate_hz * np.arange(count) + ripple_n, 1e-6))
     noise_v = scene.adc.noise_v * np.stack([rng.standard_normal((2, count)) for rng in rngs])
-    codes, _ = scene.adc.convert((volts[:, None] + noise_v).reshape(-1, count))
+    codes, _ = scene.adc.convert((scene.front().next(volts)[:, None] + noise_v).reshape(-1, count))
     config = scene.slip_config(condition)
     span = config.window >> config.level
     detail, _ = Haar(len(codes), config.level).next(codes)

@@ -380,7 +380,7 @@ def hold(scene, condition, seeds, parts, most=AHEAD):
     given = config, settings, starts, scene.adc
     reflexes = Reflexes(parts, *given) if isinstance(parts, tuple) else parts(*given, block)
     goal = np.array([one.closing_mm for one in grasps])
-    noise, adc = _Noise(scene, seeds, number), scene.adc
+    noise, adc, front = _Noise(scene, seeds, number), scene.adc, scene.front()
     quiet = quiet_v(scene, condition, seeds)
     host = Host(scene, condition, reflexes, rubber.rest_volts(GRIP_N_MM * goal), quiet)
     cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
@@ -401,12 +401,16 @@ def hold(scene, condition, seeds, parts, most=AHEAD):
         expected = expected[: found.blocks]
         samples = len(expected) * block
         times_s = (cycle + np.arange(len(expected))) * condition.cycle_ms / 1e3
-        codes, _ = adc.convert((found.volts[:, :, :samples] + noise.ahead(samples)).reshape(2 * runs, -1))
+        before, volts = copy(front), found.volts[:, :, :samples]
+        codes, _ = adc.convert((front.next(volts) + noise.ahead(samples)).reshape(2 * runs, -1))
         codes[:, np.repeat(times_s >= dead, block)] = 0
         detail, counts, (increments, commands, fault, _), gross = reflexes.next(codes, expected)
         done = len(counts)
         hand.keep(done)
         noise.keep(done * block)
+        if done < len(expected):
+            front = before
+            front.next(volts[:, :, : done * block])
         last = codes[:, (done - 1) * block : done * block]
         host.read(last.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, commands[-1], gross)
         goal = goals[done - 1] + increments[-1] * condition.count_mm

@@ -3,15 +3,18 @@ which tb/sensor/test_array_pins.py measures at the pins of the RTL."""
 
 from meissner.budget import array
 from meissner.tradeoff.axis import Axis, Figure
+from meissner.twins.shared import LANES
 
 
 def found(point):
-    """The budget of an array; it is square unless the point has ``columns``, and settles in ``settle_us``."""
+    """The budget of an array; it is square unless the point has ``columns``. Rows settle for 1 us, which not
+    every converter's front makes of it, or for ``settle_us``; None: as long as the converter needs."""
     return array.budget(
         *(point["side"], point.get("columns", point["side"]), 1e6 * point["clock_mhz"]),
         *(array.part_of(point["adc"]), point["converters"], point.get("settle_us", 1.0)),
         *(point["inputs"], point.get("sclk_khz")),
         health=point.get("health", False),
+        settle_share=point.get("settle_share"),
     )
 
 
@@ -44,12 +47,12 @@ AXES = (
     Axis(
         name="lanes",
         title="Converters side by side: taxels a millisecond",
-        about="1, 2, 4 or 8 converters whose inputs the columns fill; settle 1 µs, tare, calibration",
+        about="1 to 8 converters whose inputs the columns fill; settle 1 µs, tare, calibration",
         values={
             "adc": ("mcp3208", "ad7606", "max11125"),
             "clock_mhz": (25, 100),
             "side": (16, 64, 128),
-            "converters": (1, 2, 4, 8),
+            "converters": tuple(LANES),
             "inputs": (1, 2, 4, 8),
         },
         quick={"side": (64,), "clock_mhz": (100,)},

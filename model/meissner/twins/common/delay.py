@@ -1,4 +1,4 @@
-"""Bit-exact twins of rtl/common/msn_delay.sv and msn_sync.sv: values a fixed number of steps later."""
+"""Bit-exact twins of rtl/common/msn_delay.sv, msn_ram.sv and msn_sync.sv: values a fixed number of steps later."""
 
 import numpy as np
 
@@ -25,6 +25,22 @@ class Delay(Stream):
 
 
 LATENCY = 2
+
+
+class Ram:
+    """A word leaves with the second read after the one that asks for it; a word never written is 0."""
+
+    def __init__(self, words, width=1):
+        within(words=(words, 1, None), width=(width, 1, None))
+        self.memory, self._held = [0] * words, [0] * LATENCY
+
+    def clock(self, read=None, write=None):
+        """A clock: ``read`` an address, ``write`` (address, value); the output after it."""
+        if read is not None:
+            self._held = [self._held[1], self.memory[read]]
+        if write is not None:
+            self.memory[write[0]] = write[1]
+        return self._held[0]
 
 
 class Sync:

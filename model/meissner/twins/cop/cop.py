@@ -43,7 +43,7 @@ class CopAccumulate:
 
     def __init__(self, rows, columns, lanes=1):
         check_size(rows, columns)
-        one_of(LANES, lanes=lanes)
+        one_of([*LANES, 16], lanes=lanes)
         self.rows, self.columns, self.lanes = rows, columns, lanes
         self.row_beats = -(-columns // lanes)
         self.reset()
@@ -103,4 +103,4 @@ def cop(forces, fraction_bits=14, min_load=1):
 
 def latency(lanes=1, fraction_bits=14, bits_per_clock=2):
     """Clocks of the RTL from a frame's last beat to its centre of pressure, the same for every frame."""
-    return 3 + (lanes.bit_length() - 1) + steps(fraction_bits, bits_per_clock)
+    return 3 + (lanes - 1).bit_length() + steps(fraction_bits, bits_per_clock)

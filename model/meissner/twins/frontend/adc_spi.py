@@ -27,13 +27,16 @@ class Part:
     access_ns: int
     conversion_max_ns: int = 0
     cycle_min_ns: int = 0
+    reset_ns: int = 0  # RESET is high, then low, before the first word or conversion
     start_ns: int = 0
     tagged: bool = False  # four bits of channel number before the code; a frame's first word carries no code
     setup: tuple = ()  # words sent before the first conversion
 
-    @property
-    def lane_channels(self):
-        return 8 // self.max_lanes
+    def setup_words(self, lanes):
+        """``setup`` with the number of lanes in it."""
+        if self.has_busy and self.setup:
+            return (self.setup[0], self.setup[1] | lanes.bit_length() - 1 << 3, *self.setup[2:])
+        return self.setup
 
     @property
     def lead(self):
@@ -50,10 +53,11 @@ class Part:
         return 0 if self.has_busy else 0xC000 | index % 8 << 11
 
 
-def _max1112x(name, number, data_bits):
+def _max(name, number, data_bits, sclk_khz=16_000):
     setup = (0x0040, 0x8000, 0x8800, 0x9000, 0x9800)
     return Part(
-        *(name, number, data_bits, 16, False, True, False, 1, 16_000, 160, 16_000, 17),
+        *(name, number, data_bits, 16, False, True, False, 1, sclk_khz, sclk_khz // 100, sclk_khz, 17),
+        reset_ns=100,
         start_ns=100,
         tagged=True,
         setup=setup,
@@ -61,11 +65,18 @@ def _max1112x(name, number, data_bits):
 
 
 MCP3208 = Part("mcp3208", 1, 12, 19, False, True, False, 1, 2_000, 10, 1_000, 200)
-AD7606 = Part("ad7606", 2, 16, 16, True, False, True, 2, 14_500, 1, 14_500, 30, 4_200, 5_000, 100)
-MAX11123 = _max1112x("max11123", 3, 8)
-MAX11124 = _max1112x("max11124", 4, 10)
-MAX11125 = _max1112x("max11125", 5, 12)
-PARTS = {part.number: part for part in (MCP3208, AD7606, MAX11123, MAX11124, MAX11125)}
+AD7606 = Part("ad7606", 2, 16, 16, True, False, True, 2, 14_500, 1, 14_500, 30, 4_200, 5_000, 100, 100)
+MAX11123 = _max("max11123", 3, 8)
+MAX11124 = _max("max11124", 4, 10)
+MAX11125 = _max("max11125", 5, 12)
+# Read register 2, then write: lanes, ranges of +-5 V, wide bandwidth; 0: back to conversions.
+AD7606C = Part(
+    *("ad7606c-16", 6, 16, 16, True, True, True, 8, 60_000, 1, 60_000, 20, 700, 1_000, 3_300, 275_000),
+    setup=(0x4200, 0x0200, 0x0311, 0x0411, 0x0511, 0x0611, 0x07FF, 0x0000),
+)
+MAX11131 = _max("max11131", 7, 12, 48_000)
+_ALL = (MCP3208, AD7606, MAX11123, MAX11124, MAX11125, AD7606C, MAX11131)
+PARTS = {part.number: part for part in _ALL}
 
 
 def clocks_of_ns(ns, clk_khz):
@@ -92,7 +103,9 @@ class AdcSpi:
         if self.sclk_khz is None:
             object.__setattr__(self, "sclk_khz", part.sclk_default_khz)
         fits(self, channels=(1, 8), lanes=(1, part.max_lanes))
-        if self.lanes > 1 and self.channels <= part.lane_channels:
+        if self.lanes & self.lanes - 1:
+            raise ValueError(f"lanes = {self.lanes} must be a power of two up to {part.max_lanes}")
+        if self.lanes > 1 and self.channels <= self.lane_channels:
             raise ValueError(f"lanes = {self.lanes} must be 1: one lane has all {self.channels} channels")
         fits(self, clk_khz=(1, 400_000), sclk_khz=(1, part.sclk_max_khz))
         if self.clk_khz < 2 * self.half * part.sclk_min_khz:
@@ -108,9 +121,13 @@ class AdcSpi:
         return max(by_rate, by_access)
 
     @property
+    def lane_channels(self):
+        return 8 // self.lanes
+
+    @property
     def words(self):
         """Words per lane in a frame; the first word of a tagged part carries no code."""
-        return (self.part.lane_channels if self.lanes > 1 else self.channels) + self.part.tagged
+        return (self.lane_channels if self.lanes > 1 else self.channels) + self.part.tagged
 
     @property
     def watch_clocks(self):
@@ -132,7 +149,7 @@ class AdcSpi:
         """Clocks from the end of reset until a tick can start a conversion."""
         if not self.part.start_ns:
             return 0
-        rest = 2 * clocks_of_ns(self.part.start_ns, self.clk_khz)
+        rest = sum(clocks_of_ns(ns, self.clk_khz) for ns in (self.part.reset_ns, self.part.start_ns))
         return rest + len(self.part.setup) * self.part.cs_clocks(self.half) + 1
 
     def hold_clocks(self):
@@ -158,7 +175,7 @@ class AdcSpi:
         start = 2 if self.part.has_busy else -1  # the clock in which the transfer starts
         clocks = []
         for channel in range(self.channels):
-            word = channel % self.part.lane_channels if self.lanes > 1 else channel
+            word = channel % self.lane_channels if self.lanes > 1 else channel
             if self.part.tagged:
                 word = self.channels  # all samples wait for the last word, because its tag could be wrong
             if self.part.cs_per_channel:

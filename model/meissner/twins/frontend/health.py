@@ -7,7 +7,7 @@ import numpy as np
 
 from meissner.twins.frontend.calibrate import check_array
 from meissner.twins.frontend.health_taxel import BLINKING, DEAD, RAILED, State, judge
-from meissner.twins.shared import LANES, Stream, fits, one_of
+from meissner.twins.shared import LANES, Stream, fits, one_of, within
 
 # Slices of an array with a border of one: each taxel, and its left, right, upper and lower neighbours.
 HERE = (slice(1, -1), slice(1, -1))
@@ -179,13 +179,19 @@ class Health(Stream):
         return [(int(beat), *(int(word[beat]) for word in words[1:])) for beat in np.flatnonzero(words[0])]
 
 
-def reports(events, lanes):
-    """(taxel, faults) of ``events``: (id of the beat, dead, railed, blinking), a bit for each lane."""
+def reports(events, lanes, columns=None):
+    """(taxel, faults) of ``events``: (id of the beat, dead, railed, blinking), a bit for each lane.
+
+    taxel = row columns + beat lanes + lane; ``columns`` None: as many as the lanes, or a multiple of them.
+    """
     one_of(LANES, lanes=lanes)
-    found = []
+    columns = lanes if columns is None else columns
+    within(columns=(columns, 1, 1024))
+    row_beats, found = -(-columns // lanes), []
     for beat, dead, railed, blinking in events:
         for lane in range(lanes):
             kinds = ((dead, DEAD), (railed, RAILED), (blinking, BLINKING))
             faults = sum(kind for bits, kind in kinds if bits >> lane & 1)
-            found += [(beat * lanes + lane, faults)] if faults else []
+            row, place = divmod(beat, row_beats)
+            found += [(row * columns + place * lanes + lane, faults)] if faults else []
     return found

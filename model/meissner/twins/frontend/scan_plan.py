@@ -45,8 +45,6 @@ class ScanPlan:
         fits(self, rows=(1, 1024), columns=(1, 1024), channels=(1, 8), hold=(2, None))
         fits(self, settle_bits=(1, 24), period_bits=(1, 32))
         one_of(LANES, lanes=self.lanes)
-        if self.groups > 1 and self.channels not in (1, 2, 4, 8):
-            raise ValueError(f"channels = {self.channels} must be 1, 2, 4 or 8 with {self.groups} groups")
         fits(self, cycle=(self.channels + 8, None))
 
     @property

@@ -65,15 +65,14 @@ def fields_of(kind, payload):
 class Decoder:
     """``next`` takes bytes, split anywhere, and returns the packets that they complete.
 
-    ``damaged``: number of invalid frames; ``missed``: number of skipped packet numbers, mod 256 each time.
+    ``damaged``: number of invalid frames. Lost packets are counted by host.boots, which knows resets.
     """
 
     def __init__(self):
         self.reset()
 
     def reset(self):
-        self._frame, self._number = bytearray(), None
-        self.damaged = self.missed = 0
+        self._frame, self.damaged = bytearray(), 0
 
     def next(self, data):
         found = []
@@ -98,7 +97,4 @@ class Decoder:
         fields = fields_of(kind, payload)
         if fields is None:
             return None
-        if self._number is not None:
-            self.missed += (number - self._number - 1) % 256
-        self._number = number
         return Packet(kind, number, time, payload, fields)

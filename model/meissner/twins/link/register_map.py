@@ -8,8 +8,8 @@ from meissner.twins.link.register import read
 TABLE = """
 core always What this core is
   000 id                   31:0  constant 4d534e52 -
-  004 version.patch        7:0   constant 1        -
-  004 version.minor        15:8  constant 5        -
+  004 version.patch        7:0   constant 0        -
+  004 version.minor        15:8  constant 6        -
   004 version.major        31:16 constant 0        -
   008 features             31:0  features 0        -
   00c size.rows            15:0  status   0        -
@@ -22,6 +22,7 @@ core always What this core is
   018 widths.offset        31:24 width    0        -
   01c beats                20:0  status   0        -
   020 hold                 0:0   setting  0        at_once
+  024 lanes                3:0   status   0        -
 adc feature Converter of single channels or of four electrodes
   100 enable               0:0   setting  0        at_once
   104 period               23:0  setting  0        at_once
