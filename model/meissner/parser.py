@@ -39,6 +39,7 @@ def parser():
     _choose(commands)
     _calibrate(commands)
     _fit_rubber(commands)
+    _forest(commands)
     _config(commands)
     return top
 
@@ -333,6 +334,19 @@ def _fit_rubber(commands):
         help="converter codes per volt, for the register values (819.2)",
     )
     parser.set_defaults(call="meissner.fit_rubber:command")
+
+
+def _forest(commands):
+    parser = commands.add_parser("export-forest", help="a trained forest as F.json: scikit-learn's or ONNX's")
+    parser.add_argument("model", metavar="MODEL", help="a .skops, .onnx or .joblib file (docs/forest.md)")
+    parser.add_argument(
+        "--trust", action="store_true", help="load a .joblib or pickle file, which runs the code it holds"
+    )
+    parser.add_argument(
+        "--integer", metavar="NAMES", help="features that are integers below 2^24: all, or x0,x3 (none)"
+    )
+    _out(parser, "F.json", "output file", required=True)
+    parser.set_defaults(call="meissner.forest.command:export")
 
 
 def _config(commands):
