@@ -9,7 +9,7 @@ from msgspec import structs
 
 from meissner import scenes
 from meissner.engines import Watched, fixed
-from meissner.physics import plate, rubber
+from meissner.physics import front, plate, rubber
 from meissner.run import run
 from meissner.twins.slip.slip import State
 
@@ -163,6 +163,22 @@ def test_without_its_own_threshold_the_flag_falls_while_the_object_slides(tmp_pa
     slip = structs.replace(scene.slip, keep_threshold_p2p_v=scene.slip.threshold_p2p_v)
     found = run(replace(scene, slip=slip, conditions=scene.conditions[3:]), "fixed", tmp_path)
     assert found["contact_share_of_sliding"] > 0.4 and found["missed"] == 0
+
+
+def test_without_the_converters_filter_events_are_seen_that_it_weakens(tmp_path, monkeypatch):
+    """An AD7606 sees an event that is just before its sample only in part: a low pass ten times as slow, 1.5
+    kHz, weakens each, and the flag waits for larger ones."""
+    scene = few("slip_materials")
+    scene = replace(scene, conditions=scene.conditions[:1])
+    usual = row(run(scene, "fixed", tmp_path))["delay_ms_mean"]
+    monkeypatch.setitem(front.FRONTS, "AD7606", front.Front(((5.0, 1.5e3),)))
+    assert row(run(scene, "fixed", tmp_path))["delay_ms_mean"] > 2 * usual
+    monkeypatch.setitem(front.FRONTS, "AD7606", front.FRONTS["MCP3208"])
+    recording = scenes.simulate(scene, 0, 1)
+    codes, _ = scene.adc.convert(recording.volts)
+    assert np.abs(recording.codes - codes).max() < 10  # its noise, 0.8 of a code
+    monkeypatch.undo()
+    assert np.abs(scenes.simulate(scene, 0, 1).codes - codes).max() > 20
 
 
 def test_less_friction_shortens_the_warning(sound, tmp_path, monkeypatch):

@@ -1,6 +1,6 @@
-"""msn_ram against its model: every word, then reads and writes at random, with clocks without a read; never of one word
-in one clock. The ECP5 version gets the same with a model of its block RAM, at each width of the cell, words of several
-cells and the depth that LUT RAM keeps."""
+"""msn_ram against its model: every word, then reads and writes at random, with clocks without a read, never
+of one word in one clock. The ECP5 version gets the same with a model of its block RAM, at each width of the
+cell, words of several cells, and what is left to LUT RAM."""
 
 import random
 
@@ -54,12 +54,24 @@ async def matches_model(dut, rest_rate):
 
 EVIDENCE = {
     "equivalence": {"size": {"Words": 5}, "reset": {"ties": {"read_i": 1}, "clocks": 2}},
-    "faults": {"settle": 4, "driver": {"frame": "read_i"}},
+    "faults": {"settle": 4, "driver": {"frame": "read_i", "kept": "memory"}},
 }
 
 SPACE = lambda draw: {"Words": draw.randint(1, 90), "Width": draw.randint(1, 40)}
 
-SIZES = [(1, 3), (5, 17), (64, 16), (65, 16), (512, 37), (512, 18), (513, 19), (1500, 10), (3000, 5), (5000, 3), (9000, 2)]
+SIZES = [
+    (1, 3),
+    (5, 17),
+    (64, 16),
+    (65, 16),
+    (512, 37),
+    (512, 18),
+    (513, 19),
+    (1500, 10),
+    (3000, 5),
+    (5000, 3),
+    (9000, 2),
+]
 
 
 @pytest.mark.parametrize("sources", [None, ECP5], ids=["common", "ecp5"])

@@ -31,7 +31,6 @@ def build(part, volts, wiring):
         "rate_hz": 500.0,
         "channels": 4 if part == "MCP3208" else 8,
         "lanes": 4 if part == "AD7606C-16" else 1,
-        "settle_us": 1.0,
     }
     return config.read(
         "rail",

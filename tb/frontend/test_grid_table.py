@@ -126,7 +126,7 @@ EVIDENCE = {
         "size": {"Rows": 6},
         "settle": 3,  # frames of a single beat end while a word is in the six stages
         # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
-        "driver": {"frame": "last_i", "kept": "memory gains offsets rows bank loaded swapping"},
+        "driver": {"frame": "last_i", "kept": "memory bank loaded swapping"},
     },
 }
 

@@ -34,7 +34,7 @@ ARRAY = {
     "sensor": {"kind": "array", "rows": 5, "columns": 6},
     "adc": {
         **{"part": "AD7606", "volts": 10.0, "rate_hz": 611.3, "converters": 2, "channels": 3},
-        "settle_us": 1.37,
+        **{"settle_us": 1.37, "settle_share": 1.0},
     },
     "array": {"health": True, "newtons_per_count": 0.0037, "pitch_mm": 3.3},
     "health": {"band": 13, "jump": 4021, "still": 117, "rail": 9, "blink": 121},

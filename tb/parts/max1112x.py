@@ -90,7 +90,7 @@ class Max1112x(PartModel):
         self.rose = self.fell = None
         code = 0
         if self.channel is not None:
-            code = self.code(self.channel, now())
+            code = self.take(self.channel, self.since(self.rose))
             assert 0 <= code < 1 << self.bits
         self.conversions.append((self.channel, code, now()))
         self.answer = (15 if self.channel is None else self.channel) << 12 | code << 12 - self.bits

@@ -85,6 +85,7 @@ class Mcp3208(PartModel):
         if len(self.command) < 5 and (self.command or bit):
             self.least("t_su", self.since(self.mosi_moved))
             self.command.append(bit)
+            self.opened = now()  # with the last bit of the command the capacitor is connected
             if len(self.command) == 2 and not bit:
                 self.report(TimingViolation("command: differential"))
 
@@ -99,7 +100,7 @@ class Mcp3208(PartModel):
         if self.falls == 6:  # sampling ends, the null bit is sent
             channel = self.command[2] << 2 | self.command[3] << 1 | self.command[4]
             self.sampled = now()
-            self.value = self.code(channel, self.sampled)
+            self.value = self.take(channel, self.since(self.opened))
             assert 0 <= self.value < 4096
             self.conversions.append((channel, self.value, self.sampled))
             self.drive(0, 0, self.limits.t_do)

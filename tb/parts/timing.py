@@ -2,6 +2,7 @@
 
 import random
 from dataclasses import fields
+from math import inf
 
 import cocotb
 from cocotb import simulator
@@ -70,6 +71,8 @@ def tightened(limits, name):
 class PartModel:
     """A part on some pins. ``report`` gets each violation; by default it raises and so fails the test."""
 
+    front = None  # parts.front.Front, if its samples come through one
+
     def __init__(self, limits, report=None):
         self.limits = limits
         self.report = report or self.fail
@@ -78,6 +81,12 @@ class PartModel:
 
     def fail(self, violation):
         raise violation
+
+    def take(self, channel, acquired_ns=None):
+        """The code of a channel, sampled now; its capacitor was connected for ``acquired_ns``, None: long."""
+        if self.front is not None:
+            self.front.acquired_ns = inf if acquired_ns is None else acquired_ns
+        return self.code(channel, now())
 
     def least(self, name, measured):
         """Check a minimum; ``measured`` None: there is no earlier edge to measure from."""

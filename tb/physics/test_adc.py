@@ -3,9 +3,8 @@ statistics."""
 
 import numpy as np
 import pytest
-from scipy import signal
 
-from meissner.physics.adc import PARTS, Adc, LowPass, old_rows, unsettled
+from meissner.physics.adc import PARTS, Adc
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -62,46 +61,3 @@ def test_noise_has_the_stated_size_and_is_seeded(part):
 def test_a_converter_that_cannot_be_is_refused(bad):
     with pytest.raises(ValueError, match="must"):
         Adc(**{"bits": 12, "low_v": 0.0, "high_v": 5.0, "noise_v": 0.0, **bad})
-
-
-@pytest.mark.parametrize(
-    "volts, corner_hz, left, carrier", [(5.0, 15e3, 0.9116, 0.00562), (10.0, 23e3, 0.8167, 0.0132)]
-)
-def test_the_low_pass_of_an_ad7606(volts, corner_hz, left, carrier):
-    """SciPy's Butterworth filter of second order; what a step leaves after 5 us, and what passes of a carrier
-    of 200 kHz (docs/demod.md), as literals."""
-    one = LowPass(corner_hz)
-    made = signal.butter(2, 2 * np.pi * corner_hz, analog=True)
-    time_s, step = signal.step(made, T=np.linspace(0, 200e-6, 101))
-    assert [one.left(t) for t in time_s] == pytest.approx(1 - step, abs=1e-6)
-    hertz = np.array([0.0, 1e3, corner_hz, 200e3])
-    assert [one.gain(f) for f in hertz] == pytest.approx(abs(signal.freqs(*made, 2 * np.pi * hertz)[1]))
-    found = {"range_v": volts, "corner_hz": corner_hz, "left": pytest.approx(left, abs=5e-5)}
-    assert old_rows("ad7606", 5e-6, volts) == [found]
-    assert one.gain(200e3) == pytest.approx(carrier, rel=2e-3)
-    late = [abs(one.left(t)) for t in np.linspace(one.settled_s(0.01), 1e-3, 500)]
-    assert max(late) <= 0.01 and one.left(0.9 * one.settled_s(0.043)) < -0.04
-
-
-def test_a_range_between_two_takes_the_wider():
-    of = lambda volts: [row["range_v"] for row in old_rows("AD7606", 5e-6, volts)]
-    found = {volts: of(volts) for volts in (1.0, 5.0, 5.01, 10.0, 12.0, None)}
-    assert found == {1.0: [5.0], 5.0: [5.0], 5.01: [10.0], 10.0: [10.0], 12.0: [10.0], None: [5.0, 10.0]}
-    assert old_rows("MCP3208", 0.0) == []
-    (wide,) = old_rows("ad7606c-16", 5e-6, 10.0)  # w = sqrt(2) pi 220 kHz 5 us = 4.8872
-    assert wide == {"range_v": 5.0, "corner_hz": 220e3, "left": pytest.approx(0.00612, abs=5e-6)}
-
-
-def test_what_is_said_of_a_row_that_has_not_settled():
-    """1 % is settled. ln(100 sqrt(2)) / (sqrt(2) pi f) is 74.30 us at 15 kHz and 48.46 us at 23 kHz."""
-    rows = [
-        {"range_v": 5.0, "corner_hz": 15e3, "left": 0.01},
-        {"range_v": 10.0, "corner_hz": 23e3, "left": 0.0},
-    ]
-    assert unsettled("ad7606", 5e-6, rows) == unsettled("mcp3208", 5e-6, []) == ""
-    rows[0]["left"] = 0.0101
-    assert unsettled("ad7606", 5e-6, rows).endswith("1 % is left after 75 us")
-    rows[0]["left"], rows[1]["left"] = 0.0, 0.0101
-    told = unsettled("ad7606", 5e-6, rows)
-    assert "leaves 0 % (±5 V, 15 kHz) or 1.01 % (±10 V, 23 kHz) of the old row 5 us after" in told
-    assert unsettled("ad7606", 5e-6, rows[1:]).endswith("1 % is left after 49 us")

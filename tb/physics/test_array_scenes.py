@@ -1,7 +1,9 @@
 """The scenes of the capacitive pad and of resistive matrices: each runs on every engine; the published
 figures; an even press is uneven before calibration and within 1 % after; scenes with mistakes."""
 
+import itertools
 import json
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 
 from meissner import engines, run, scenes
 from meissner.builds import toolchain
+from meissner.scenes import scanned
 from meissner.scenes.capacitive import scene as capacitive
 from meissner.scenes.errors import unevenness
 from meissner.scenes.sensor import sensor
@@ -191,6 +194,79 @@ def test_a_row_starts_with_the_carrier_of_the_row_before():
     assert samples[..., 0] == pytest.approx(first, abs=scene.adc.lsb_v)
     settled = amplitude_v * np.sin(capacitive.PHASE)
     assert samples[..., scene.carrier.skip] == pytest.approx(settled, abs=scene.adc.lsb_v)
+
+
+@pytest.mark.parametrize(
+    "name, change, worse",
+    [
+        # Lines that do not settle at all: each taxel is its predecessor in the row before.
+        ("fsr_3x3", {"settle_us": 0.0, "settle_share": 1.0}, 1.5),
+        ("dense_64", {"settle_us": 0.0, "settle_share": 1.0}, 5),
+        # The AD7606 as fast as it converts; and as slowly as its filter needs for half a code.
+        ("dense_64", {"part": "AD7606", "volts": 5.0, "lanes": 2, "settle_us": 1.0, "settle_share": 1.0}, 50),
+        ("dense_64", {"part": "AD7606", "volts": 5.0, "lanes": 2, "rate_hz": 80}, None),
+    ],
+)
+def test_what_remains_of_the_row_before_moves_the_centre(tmp_path, undrawn, name, change, worse):
+    """The mean position error, as a multiple of that without a front; the same where rows settle."""
+    table = tomllib.loads(scenes.source(name))
+    table["rate_hz"] = change.pop("rate_hz", table["rate_hz"])
+    found = []
+    for scan in (None, table["scan"], table["scan"] | change):
+        made = {key: value for key, value in table.items() if key != "scan"} | (
+            {"scan": scan} if scan else {}
+        )
+        summary = run.run(scenes.build("mine", made), "fixed", tmp_path / str(len(found)), seed=1)
+        assert ("converter front" in summary["modelled"]) == (scan is not None)
+        found.append(summary["position_error"]["mean"])
+    bare, shipped, changed = found
+    assert shipped == pytest.approx(bare, rel=1e-3)
+    assert changed > worse * bare if worse else changed == pytest.approx(bare, rel=0.02)
+
+
+def test_a_multiplexed_scan_by_a_plain_loop():
+    """5 columns behind two MCP3208 of two inputs: two groups, the second with one column. 9 kohm and the 50
+    pF of a pin are 450 ns; the capacitor of 20 pF behind 1 kohm more has three halves of an SCLK period,
+    750 ns of its 200: exp(-3.75) of the input before are left."""
+    keys = scanned.ScanKeys(
+        part="MCP3208", volts=5.0, mhz=12.0, sclk_khz=2000, converters=2, channels=2, settle_us=0.5,
+        settle_share=0.9, source_ohm=9e3,
+    )  # fmt: skip
+    one = scanned.build("here", keys, 3, 5, 1000.0)
+    assert one.settle == 6
+    slot_s = one.twin.scan.slot(6) / 12e6
+    values = np.random.default_rng(5).uniform(0, 1, (2, 3, 5))
+    pins, held, expected = np.zeros((2, 2)), np.zeros(2), np.empty_like(values)
+    for frame in range(2):
+        for row, group in itertools.product(range(3), range(2)):
+            for channel, lane in itertools.product(range(2), range(2)):
+                column = (group * 2 + channel) * 2 + lane
+                to = values[frame, row, column] if column < 5 else 0.0
+                pin = to + (pins[channel, lane] - to) * np.exp(-0.5e-6 / 450e-9)
+                pins[channel, lane] = to + (pins[channel, lane] - to) * np.exp(-slot_s / 450e-9)
+                held[lane] = pin + (held[lane] - pin) * np.exp(-3.75)
+                if column < 5:
+                    expected[frame, row, column] = held[lane]
+        pins *= np.exp(-(1e-3 - 6 * slot_s) / 450e-9)
+    through = one.through()
+    found = np.concatenate([through.next(values[:1]), through.next(values[1:])])
+    assert found == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        ({"part": "AD7606", "settle_us": 5.0}, "settle_us is too short: 5 us after a switch 91.2 %"),
+        ({"source_ohm": 2000.0}, "source_ohm = 2000 is too large"),
+        ({"converters": 4}, "rate_hz = 1000 is too fast: a scan takes 1628 us"),
+        ({"part": "AD7607"}, "part = 'AD7607'"),
+        ({"settle": 5.0}, "settle"),
+    ],
+)
+def test_a_scan_that_its_converters_cannot_do_is_refused(change, says):
+    table = tomllib.loads(scenes.source("dense_64"))
+    with pytest.raises(ValueError, match=says):
+        scenes.build("mine", table | {"scan": table["scan"] | change})
 
 
 def test_a_held_matrix_drifts():

@@ -3,6 +3,7 @@ of converters it gives is sufficient and the smallest, the command prints the te
 built. tb/sensor/test_array_pins.py shows that the clocks are those at the pins.
 """
 
+import itertools
 import json
 
 import pytest
@@ -10,20 +11,25 @@ import pytest
 from harness.command import meissner
 from meissner import cli
 from meissner.budget import array as budget
-from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11125, MCP3208
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11125, MCP3208, PARTS
 
 
 @pytest.mark.parametrize("rows, columns", [(1, 1), (3, 3), (16, 16), (64, 64), (5, 100)])
 @pytest.mark.parametrize("part", [AD7606, AD7606C, MCP3208, MAX11125], ids=lambda part: part.name)
 def test_terms_add_up_and_follow_what_they_stand_for(rows, columns, part):
-    found = budget.budget(rows, columns, 50e6, part, converters=2, channels=8)
+    given = {"converters": 2, "channels": 8, "settle_us": 1.0}
+    found = budget.budget(rows, columns, 50e6, part, **given)
     assert sum(found["terms_clocks"].values()) == found["total_clocks"]
     places = rows * -(-columns // 16)
     assert found["frame_clocks"] == places * found["slot_clocks"]
     assert found["terms_clocks"]["scan"] == (places - 1) * found["slot_clocks"]
-    later = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, settle_us=1000.0)
+    later = budget.budget(rows, columns, 50e6, part, **given | {"settle_us": 1000.0})
     assert later["slot_clocks"] >= 50_000 and later["total_clocks"] >= found["total_clocks"]
-    bare = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, health=False, tare=False)
+    # A wait of up to the converters' own time costs nothing; the rest is a term of its own.
+    assert found["terms_clocks"]["settle"] == 0
+    waits = (places - 1) * (later["slot_clocks"] - found["slot_clocks"])
+    assert later["terms_clocks"] == found["terms_clocks"] | {"settle": waits}
+    bare = budget.budget(rows, columns, 50e6, part, **given, health=False, tare=False)
     assert found["total_clocks"] - bare["total_clocks"] == 2
 
 
@@ -39,26 +45,61 @@ def test_settling_is_never_shorter(mhz, settle_us, clocks):
 
 
 def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
-    for side in (8, 16, 32, 64, 100):
-        found = budget.budget(side, side, 100e6, AD7606)
-        lanes = found["converters_needed"]
+    fewest = {}
+    for side, settle_us in itertools.product((8, 16, 32, 64, 100), (1.0, None)):
+        found = budget.budget(side, side, 100e6, AD7606, settle_us=settle_us, settle_share=0.005)
+        lanes = fewest[side, settle_us] = found["converters_needed"]
         for other in budget.LANES:
-            within = budget.budget(side, side, 100e6, AD7606, converters=other)["total_s"] < 1e-3
+            given = {"converters": other, "settle_us": settle_us, "settle_share": 0.005}
+            within = budget.budget(side, side, 100e6, AD7606, **given)["total_s"] < 1e-3
             assert within == (lanes is not None and other >= lanes), (side, other)
-    assert budget.budget(16, 16, 100e6, AD7606)["converters_needed"] == 1
-    assert budget.budget(64, 64, 100e6, AD7606)["converters_needed"] == 8
+    # Digital side; with 84.7 us for each place: eight take 680 us, sixteen 1.4 ms.
+    assert [fewest[side, 1.0] for side in (16, 64, 100)] == [1, 8, None]
+    assert [fewest[side, None] for side in (8, 16, 64)] == [1, None, None]
 
 
-@pytest.mark.parametrize("lanes, slot, transfer", [(1, 618, 543), (2, 505, 275), (4, 505, 141), (8, 505, 74)])
-def test_an_ad7606c_needs_four_converters_on_any_number_of_lines(lanes, slot, transfer):
+def test_settling_by_hand():
+    """ln(sqrt(2)/share)/(sqrt(2) pi f): half a code, 2^-17, at 15 kHz 182.015 us; 0.5 % at 23 kHz 55.240 us.
+    From then on at most the next extremes are left, exp(-4 pi) and exp(-6 pi), or exp(-2 pi). A place lasts
+    that and five clocks: 2 of hold, 2 of lines, 1."""
+    for given, us, left in (
+        ({}, 182.02, [3.487e-6, 6.512e-9]),
+        ({"settle_share": 0.005, "volts": 10.0}, 55.25, [1.867e-3]),
+        ({"settle_share": 0.005, "volts": 5.0}, 84.71, [1.867e-3]),
+        ({"settle_us": 5.0, "volts": 5.0}, 5.0, [0.9116]),
+    ):
+        found = budget.budget(64, 64, 100e6, AD7606, 8, channels=8, **given)
+        assert found["settle_clocks"] == pytest.approx(100 * us, abs=1.01)
+        assert [row["left"] for row in found["old_row"]] == pytest.approx(left, rel=1e-3)
+        assert found["settled"] == (us > 5) and found["within_1_ms"] == (us == 5)
+        slow = 64 * (found["settle_clocks"] + 5)
+        assert found["frame_clocks"] == max(slow, 66_304)
+
+
+def test_a_line_for_each_part(capsys):
+    cli.main(["budget", "--adc", "all", "--settle-share", "0.005", "--source-ohm", "2500"])
+    _, *lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == [part.name.upper() for part in PARTS.values()]
+    line = dict(zip((line.split()[0] for line in lines), lines))
+    assert line["AD7606"].split()[1:4] == ["84.71", "8", "8"] and line["AD7606"].endswith("above 1 ms")
+    assert "source_ohm = 2500 is too large" in line["MAX11125"]
+    cli.main(["budget", "--adc", "all", "--json"])
+    found = json.loads(capsys.readouterr().out)
+    assert found["max11125"] == budget.budget(64, 64, 100e6, MAX11125)
+
+
+@pytest.mark.parametrize(
+    "lanes, needs, slot, transfer", [(1, 4, 618, 543), (2, 3, 505, 275), (4, 3, 505, 141), (8, 3, 505, 74)]
+)
+def test_an_ad7606c_on_any_number_of_lines(lanes, needs, slot, transfer):
     """At 100 MHz a bit is four clocks and a word 17 bits, so 8 words take 544. BUSY is low after 71, the
     words begin 3 later. 5 us, one clock and the 4 until the inputs may change are 505: only one line takes
     longer. The last sample comes after 3 clocks, the words but the last rest, and a clock for each sample of
-    the other lines."""
-    found = budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0, adc_lanes=lanes)
-    assert (found["converters_needed"], found["slot_clocks"]) == (4, slot)
+    the other lines. Three converters take 3 · 64 slots: 970 us, or 1.19 ms on one line."""
+    found = budget.budget(64, 64, 100e6, AD7606C, 4, settle_us=5.0, adc_lanes=lanes)
+    assert (found["converters_needed"], found["slot_clocks"]) == (needs, slot)
     assert found["terms_clocks"]["transfer"] == transfer
-    assert found == budget.budget(64, 64, 100e6, AD7606C, settle_us=5.0) or lanes != 2
+    assert found == budget.budget(64, 64, 100e6, AD7606C, 4, settle_us=5.0) or lanes != 2
 
 
 # An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A
@@ -119,7 +160,7 @@ def test_the_command_prints_what_the_function_finds():
     assert json.loads(done.stdout) == budget.budget(16, 16, 100e6, AD7606)
     text = meissner("budget", "--rows", "64", "--cols", "64", "--adc", "mcp3208").stdout
     assert "above 1 ms" in text and "no number of these converters" in text
-    few = meissner("budget", "--rows", "64", "--cols", "64", "--converters", "2").stdout
+    few = meissner("budget", "--rows", "64", "--cols", "64", "--converters", "2", "--settle-us", "1").stdout
     assert "1 ms needs 8 of these" in few
 
 
@@ -129,9 +170,13 @@ def test_the_command_prints_what_the_function_finds():
         ("--no-health", {"health": False}),
         ("--no-tare", {"tare": False}),
         ("--sclk-khz 8000", {"sclk_khz": 8000}),
+        ("--read during", {"read_during": True}),
         ("--settle-us 2.5", {"settle_us": 2.5}),
+        ("--settle-share 0.02", {"settle_share": 0.02}),
+        ("--volts 10", {"volts": 10.0}),
+        ("--adc max11125 --source-ohm 300", {"part": MAX11125, "source_ohm": 300.0}),
         ("--channels 3", {"channels": 3}),
-        ("--converters 2", {"converters": 2}),
+        ("--converters 4", {"converters": 4}),
         ("--bits-per-clock 1", {"bits_per_clock": 1}),
         ("--clock 50e6", {"clock_hz": 50e6}),
         ("--adc max11125", {"part": MAX11125}),

@@ -1,7 +1,8 @@
 """``meissner budget --config`` of any sensor's build, by clocks that are worked out by hand, and what it and
-``config check`` say about a converter's analogue low pass."""
+``config check`` say about what remains of the old row."""
 
 import json
+import re
 import tomllib
 
 import pytest
@@ -110,45 +111,72 @@ def test_every_named_configuration_and_a_file_of_ones_own_have_a_budget(tmp_path
     assert (found["config"], found["rows"], found["converters"]) == ("mine", 5, 1)
 
 
-# exp(-w)(cos w + sin w) with w = sqrt(2) pi f t: 5 us at 15 and 23 kHz are w = 0.33322 and 0.51094.
+# exp(-v)(cos v + sin v) with v = sqrt(2) pi f t: 5 us at 15 and 23 kHz are v = 0.33322 and 0.51094.
 @pytest.mark.parametrize(
-    "part, volts, settle_us, says",
+    "part, volts, settle, says, passes",
     [
-        ("AD7606", 5.0, 5.0, "91.2 % (±5 V, 15 kHz) of the old row 5 us after a switch"),
-        ("AD7606", 10.0, 5.0, "81.7 % (±10 V, 23 kHz) of the old row 5 us"),
-        ("AD7606", 5.0, 1.0, "99.6 % (±5 V, 15 kHz)"),
-        ("AD7606", 10.0, 40.0, "2.34 % (±10 V, 23 kHz)"),  # an overshoot
-        ("AD7606", 5.0, 75.0, None),
-        ("AD7606C-16", 5.0, 1.0, "52.2 % (±5 V, 220 kHz)"),
-        ("AD7606C-16", 5.0, 5.0, None),
-        ("MAX11125", 5.0, 1.0, None),
-        ("MCP3208", 5.0, 0.0, None),
+        ("AD7606", 5.0, {"us": 5.0}, "91.2 % (±5 V, 15 kHz) of the old row remain", False),
+        ("AD7606", 5.0, {"us": 5.0, "share": 0.911}, "91.2 % (±5 V, 15 kHz)", False),
+        ("AD7606", 5.0, {"us": 5.0, "share": 0.912}, "5 us after a switch 91.2 % (±5 V, 15 kHz)", True),
+        ("AD7606", 10.0, {"us": 5.0, "share": 1.0}, "81.7 % (±10 V, 23 kHz)", True),
+        ("AD7606", 10.0, {"us": 40.0, "share": 0.023}, "2.34 % (±10 V, 23 kHz)", False),  # an overshoot
+        ("AD7606", 10.0, {"us": 40.0, "share": 0.024}, "2.34 % (±10 V, 23 kHz)", True),
+        ("AD7606", 5.0, {}, "182 us are enough for half a code (0.000763 %)", True),
+        ("AD7606", 5.0, {"share": 0.01}, "74.3 us are enough for 1 %", True),
+        ("AD7606", 5.0, {"us": 166.0}, "0.00146 %", False),
+        ("AD7606C-16", 5.0, {"us": 1.0, "share": 0.53}, "52.2 % (±5 V, 220 kHz)", True),
+        ("AD7606C-16", 5.0, {"us": 5.0}, "12.41 us are enough for half a code (0.000763 %)", False),
+        ("MAX11131", 5.0, {}, "0.04738 us are enough for half a code (0.0122 %)", True),
+        ("MAX11125", 5.0, {"us": 1.0}, "0.04505 us are enough for half a code (0.0122 %)", True),
+        ("MAX11125", 5.0, {"us": 0.04}, "0.0335 % (a source of 100 ohms)", False),
+        ("MAX11125", 5.0, {"us": 1.0, "ohm": 2e3}, "sampling capacitor keeps 3.09 %", False),
+        ("MCP3208", 5.0, {}, "1 us after a switch below 1e-06 % (a source of 100 ohms)", True),
     ],
 )
-def test_the_low_pass_of_a_scanned_converter_is_warned_of(tmp_path, part, volts, settle_us, says):
+def test_a_settle_time_that_is_too_short_is_refused_unless_it_is_meant(
+    tmp_path, part, volts, settle, says, passes
+):
     text = (config.FOLDER / "array64.toml").read_text("utf-8")
+    keys = {"us": "settle_us", "share": "settle_share", "ohm": "source_ohm"}
+    wait = "".join(f"{keys[key]} = {value}\n" for key, value in settle.items())
     for old, new in (
-        ('part = "AD7606"', f'part = "{part}"'),
-        ("volts = 5.0", f"volts = {volts}"),
-        ("settle_us = 1.0", f"settle_us = {settle_us}"),
-        ("rate_hz = 1400.0", "rate_hz = 20.0"),
-        ("hold_ms = 20.0", "hold_ms = 60.0"),
-        ("refractory_ms = 10.0", "refractory_ms = 70.0"),
-        ("blank_ms = 50.0", "blank_ms = 80.0"),
-        ("lanes = 2", f"lanes = {2 if part.startswith('AD') else 1}"),
+        (r'part = "AD7606"', f'part = "{part}"'),
+        (r"volts = 5.0", f"volts = {volts}"),
+        (r"settle_us = .*\nsettle_share = .*\n", wait),
+        (r"rate_hz = 1400.0", "rate_hz = 20.0"),
+        (r"hold_ms = 20.0", "hold_ms = 60.0"),
+        (r"refractory_ms = 10.0", "refractory_ms = 70.0"),
+        (r"blank_ms = 50.0", "blank_ms = 80.0"),
+        (r"lanes = 2", f"lanes = {2 if part.startswith('AD') else 1}"),
     ):
-        assert old in text
-        text = text.replace(old, new)
+        text, found = re.subn(old, new, text)
+        assert found == 1, old
     (tmp_path / "mine.toml").write_text(text, "utf-8")
     for command in (("config", "check", "mine.toml"), ("budget", "--config", "mine.toml")):
         done = meissner(*command, cwd=tmp_path)
-        assert (done.returncode, done.stderr) == (0, "")
-        assert ("warning: " in done.stdout) == (says is not None) and (says or "") in done.stdout
+        assert done.returncode == (0 if passes else 2), done
+        assert says in (done.stdout if passes else done.stderr)
+        if not passes:
+            assert done.stdout == "" and done.stderr.startswith("meissner: mine.toml: [adc]: ")
+            assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_host_cannot_set_less():
+    """AD7606 of ±10 V, 1 %: 48.458 us; 4 codes more or less by hand."""
+    units = build(
+        "array64", adc={"volts": 10.0, "settle_us": 60.0, "settle_share": 0.01, "rate_hz": 250.0}
+    ).units
+    assert units.code("scan.settle", "seconds", 48.46e-6) == 4846
+    with pytest.raises(ValueError, match=r"scan\.settle: settle_us is too short"):
+        units.code("scan.settle", "seconds", 43e-6)
 
 
 def test_a_budget_without_a_configuration_knows_no_range():
     told = meissner("budget", "--settle-us", "5").stdout
-    assert "leaves 91.2 % (±5 V, 15 kHz) or 81.7 % (±10 V, 23 kHz) of the old row" in told
+    assert "warning: 5 us after a switch 91.2 % (±5 V, 15 kHz) or 81.7 % (±10 V, 23 kHz) of" in told
+    assert told.splitlines()[0].endswith("within 1 ms; of the digital side only")
     assert "warning" not in meissner("budget", "--adc", "MAX11125").stdout
-    told = meissner("choose", "array", "--latency", "1", "--adc", "AD7606").stdout
-    assert "# warning: the AD7606's analogue low pass of second order leaves 99.6 %" in told
+    told = meissner(
+        "choose", "array", "--settle-share", "0.005", "--adc", "AD7606", "--rows", "8", "--cols", "8"
+    )
+    assert "# 84.71 us after a switch" in told.stdout and "84.7 us are enough for 0.5 %" in told.stdout

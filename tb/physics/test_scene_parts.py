@@ -148,7 +148,7 @@ IMPORTS = {
     # With all that reads a build's configuration, which gives it mesh, converter and detector.
     "cop_slip": f"grip plate rubber {_MESH} cop.cop_slip frontend link slip actuate",
     "walk_25x5": _TAXELS,
-    "fsr_3x3": f"fsr {_TAXELS} frontend.calibrate",
+    "fsr_3x3": f"fsr {_TAXELS} frontend",  # with the scan
     "capacitive_crosstalk": "capacitive footprints mesh_loads / frontend.am_demod frontend.calibrate",
 }
 RUN = """
@@ -177,7 +177,11 @@ def test_a_scene_imports_only_what_it_runs(name, engine):
     assert f"scenes.{scenes.load(name).sensor}.run" in found
 
     physics, twins = (part.split() for part in IMPORTS[name].split("/"))
-    allowed = [*(f"physics.{part}" for part in ("adc", *physics)), "engines.features", "engines.protocol"]
+    allowed = [
+        *(f"physics.{part}" for part in ("adc", "front", *physics)),
+        "engines.features",
+        "engines.protocol",
+    ]
     allowed += [
         *(f"twins.{part}" for part in (*EVERY, *twins)),
         f"engines.{engine}",

@@ -349,7 +349,7 @@ EVIDENCE = {
         "size": {"Rows": 3},
         "settle": 4,
         # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
-        "driver": {"kept": "memory gains offsets rows bank loaded swapping"},
+        "driver": {"kept": "memory bank loaded swapping"},
         "kept_inside": {"u_calibrate": "calibrate", "u_tare": "tare", "u_health": "health"},
     },
     "icarus": {"runs": {"Lanes": 1}},

@@ -132,15 +132,18 @@ def test_a_delay_that_the_shipped_window_misses_is_met_at_the_same_rate():
 SIZES = [(3, 3), (6, 10), (5, 12), (16, 16), (7, 41), (40, 24), (64, 64)]
 
 
-@pytest.mark.parametrize("adc", ["MCP3208", "AD7606", "MAX11125"])
-def test_as_many_converters_as_the_budget_asks_for(adc):
+@pytest.mark.parametrize(
+    "adc, share", [("MCP3208", None), ("AD7606", None), ("AD7606", 0.005), ("MAX11125", None)]
+)
+def test_as_many_converters_as_the_budget_asks_for(adc, share):
     """For a centre of pressure within a millisecond: the budget of the chosen configuration, and that of the
     same array with nothing chosen, need as many as were chosen; the times are the same."""
     for rows, columns in SIZES:
-        needs = Needs("array", latency_ms=1.0, rows=rows, columns=columns, adc=adc)
+        needs = Needs("array", latency_ms=1.0, rows=rows, columns=columns, adc=adc, settle_share=share)
         part = array.part_of(adc)
         clock_hz = 24e6 if rows * columns <= 64 else 100e6
-        least = array.budget(rows, columns, clock_hz, part, settle_us=2.0, health=False)["converters_needed"]
+        least = array.budget(rows, columns, clock_hz, part, settle_share=share, health=False)
+        least = least["converters_needed"]
         if least is None:
             with pytest.raises(ValueError, match="is above 1,000"):
                 choose.chosen(needs, {})
@@ -151,7 +154,8 @@ def test_as_many_converters_as_the_budget_asks_for(adc):
             rows,
             columns,
         )
-        assert found["within_1_ms"] and 1e6 * found["total_s"] == pytest.approx(row["error"]["latency_us"])
+        assert found["within_1_ms"] and found["settled"] and made.adc.settle_share == share
+        assert 1e6 * found["total_s"] == pytest.approx(row["error"]["latency_us"])
 
 
 def test_the_next_in_each_direction_and_why():

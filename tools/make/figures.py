@@ -260,9 +260,13 @@ ROWS = {
         "`pytest tb/cop/test_cop_budget.py`",
     ),
     "array": Row(
-        "array at its pins, first convert start to CoP, all stages, digital side only: 16×16 behind one "
-        "AD7606; 64×64 behind eight",
-        tested("331 µs; 662 µs; equal to the model's clock count, spread 0", "tb/sensor/test_array_pins.py"),
+        "array at its pins, first convert start to CoP, all stages: 64×64 behind four AD7606C-16, rows "
+        "settled to 0.5 %, four MAX11131 and eight MAX11125, to half a code; digital side: 16×16 behind one "
+        "AD7606, 64×64 behind eight",
+        tested(
+            "744 µs, 847 µs, 814 µs; 331 µs, 662 µs; equal to the model's clock count, spread 0",
+            "tb/sensor/test_array_pins.py",
+        ),
         "`pytest tb/sensor/test_array_pins.py`; `meissner budget`",
     ),
     "capacitive_shapes": Row(

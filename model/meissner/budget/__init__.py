@@ -87,12 +87,13 @@ def _array(arguments):
     if arguments.demod:
         names = ("sample_period", "periods", "skip")
         carrier = {name: getattr(arguments, name) for name in names}
-    found = array.budget(
-        *(arguments.rows, arguments.columns, arguments.clock, array.part_of(arguments.adc)),
-        *(arguments.converters, arguments.settle_us, arguments.channels, arguments.sclk_khz, carrier),
-        *(not arguments.no_health, not arguments.no_tare, arguments.bits_per_clock, arguments.adc_lanes),
-    )
-    if arguments.json:
-        print(json.dumps(found, indent=2))
+    names = "converters settle_us channels sclk_khz bits_per_clock settle_share volts source_ohm adc_lanes"
+    given = {name: getattr(arguments, name) for name in names.split()}
+    given |= {"carrier": carrier, "health": not arguments.no_health, "tare": not arguments.no_tare}
+    given["read_during"] = arguments.read == "during"
+    size = arguments.rows, arguments.columns, arguments.clock
+    if arguments.adc == "all":
+        found, tell = array.of_parts(*size, **given), array.tell_parts
     else:
-        print(*array.tell(found), sep="\n")
+        found, tell = array.budget(*size, array.part_of(arguments.adc), **given), array.tell
+    print(json.dumps(found, indent=2) if arguments.json else "\n".join(tell(found)))

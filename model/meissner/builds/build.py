@@ -10,9 +10,9 @@ from meissner.builds import input_range
 from meissner.builds.features import FEATURES
 from meissner.builds.input_range import Sensed, Wiring
 from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
+from meissner.builds.settling import Settling
 from meissner.builds.units import Units
 from meissner.physics.adc import Adc as Converter
-from meissner.physics.adc import old_rows, unsettled
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, naming, values
 from meissner.twins.cop.cop_slip import CopSlipRegisters
@@ -38,7 +38,7 @@ class Config:
     about: str
     clk_khz: int
     sensor: Channels | Taxels | Electrodes
-    adc: Adc
+    adc: Adc | ArrayAdc
     link: Link
     rate_hz: float
     slip: SlipConfig | None = None
@@ -108,24 +108,25 @@ class Config:
         assert isinstance(self.adc, ArrayAdc)
         return self.adc
 
-    @property
-    def settle_clocks(self) -> int:
-        return max(1, ceil(exact(self._array_adc.settle_us) * self.clk_khz / 1000))
+    @cached_property
+    def settling(self) -> Settling:
+        """What the scan of an array waits for."""
+        adc = self._array_adc
+        return Settling(self.scan, adc.volts, adc.settle_share, adc.source_ohm)
 
-    @property
-    def unsettled(self) -> str:
-        """The sentence about the old row that the converters' low pass leaves; empty if it settles."""
-        if not self.array:
-            return ""
-        settle_s = self.settle_clocks / (1000 * self.clk_khz)
-        return unsettled(self.adc.part, settle_s, old_rows(self.adc.part, settle_s, self.adc.volts))
+    @cached_property
+    def settle_clocks(self) -> int:
+        with naming("[adc]"):
+            return self.settling.clocks(self._array_adc.settle_us)
 
     @cached_property
     def scan(self) -> ScanAdc:
         """Twin of the scan, for an array."""
         adc = self._array_adc
         return ScanAdc(
-            *(*self.shape, adc.converters, self.part), *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz)
+            *(*self.shape, adc.converters, self.part),
+            *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz),
+            read_during=adc.read == "during",
         )
 
     @cached_property
@@ -134,7 +135,7 @@ class Config:
         if self.array:
             return self.scan.adc
         sizes = (self.part, self.channels, self.adc.lanes, self.clk_khz, self.adc.sclk_khz)
-        return AdcSpi(*sizes, self.sample_bits)
+        return AdcSpi(*sizes, self.sample_bits, read_during=self.adc.read == "during")
 
     @cached_property
     def input(self) -> Converter:
@@ -187,6 +188,7 @@ class Config:
                 most_load=rows * columns * self.most_force,
                 newtons_per_code=self.array.newtons_per_count,
                 pitch_mm=self.array.pitch_mm,
+                check_settle=self.settling.check,
             )
             with naming("[cop]: min_load_n"):
                 return replace(known, min_load=known.load_code(self.min_load_n))
@@ -233,6 +235,7 @@ class Config:
         array, slip, link = self.array, self.slip, self.link
         found = {"Adc": self.part.number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc.sclk_khz or 0}
         found |= {"AdcLanes": self.adc.lanes, "BaudHz": link.baud}
+        found |= {"ReadDuring": 1} if self.adc.read == "during" else {}
         if array:
             (rows, columns), adc = self.shape, self._array_adc
             found |= {"Array": 1, "Rows": rows, "Columns": columns, "Converters": adc.converters}
@@ -280,11 +283,12 @@ class Config:
                 f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
                 f"so at least {least:.3g} Hz"
             )
-        if self.array and self.settle_clocks > 65535:
-            most = 65535 * 1000 / self.clk_khz
-            raise ValueError(
-                f"[adc]: settle_us = {self._array_adc.settle_us:g} must be at most {most:.1f}, 65535 clocks"
-            )
+        if self.array:
+            with naming("[adc]"):
+                self.settling.check(self.settle_clocks)
+            if self.settle_clocks > 65535:
+                most, us = 65535 * 1000 / self.clk_khz, self.settle_clocks * 1000 / self.clk_khz
+                raise ValueError(f"[adc]: settle_us = {us:.6g} must be at most {most:.1f}, 65535 clocks")
         if self.serial and (self.channels != 1 or self.part.data_bits > 12 or self.link.registers):
             raise ValueError(
                 "[slip]: serial must go with one channel of at most 12 bits and registers = false"
@@ -298,6 +302,10 @@ class Config:
             FEATURES[name].check(self)
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
+        if self.link.slip_only and self.adc.read == "during":
+            raise ValueError(
+                "[link]: slip_only must go with [adc]: read = 'after', as it sends the last convert start"
+            )
         if self.link.slip_pins and self.kind != "channels":
             raise ValueError("[link]: slip_pins must go with single channels")
         if self.link.images and not self.array:

@@ -180,8 +180,8 @@ def command_check(arguments: Namespace) -> None:
     config = load(arguments.file)
     counts = f"{len(config.parameters)} parameters, {len(config.settings)} settings"
     print(f"{plain(config.name)}: {plain(config.about)}; {counts}")
-    if config.unsettled:
-        print(f"warning: {config.unsettled}")
+    if config.array:
+        print(config.settling.told(config.settle_clocks))
 
 
 def command_show(arguments: Namespace) -> None:

@@ -9,13 +9,13 @@ from meissner.builds.cop_tables import Cop, CopSlipKeys
 from meissner.builds.features import FEATURES
 from meissner.builds.four_wires import DifferenceGain, Load, MeshKeys
 from meissner.builds.input_range import Sensed
+from meissner.builds.read_by import Eight, ReadBy, Scanning
 from meissner.builds.slip_table import SlipNewtons, SlipVolts
-from meissner.tables import Positive, Table, one_of, shown
+from meissner.tables import Positive, Table, shown
 from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
 from meissner.twins.frontend.adc_spi import Part
 
 PARTS: dict[str, Part] = {part.name.upper(): part for part in ADC_PARTS.values()}
-Eight = Annotated[int, Meta(ge=1, le=8)]
 Side = Annotated[int, Meta(ge=1, le=256)]
 Byte = Annotated[int, Meta(ge=0, le=255)]
 Code = Annotated[int, Meta(ge=0, le=65535)]
@@ -55,25 +55,16 @@ class Electrodes(Table, frozen=True):
     kind: Literal["electrodes"]
 
 
-class Adc(Table, frozen=True):
-    """[adc]. ``volts``: full scale; ``sclk_khz``: the part's own where it is not given."""
+class Adc(ReadBy, frozen=True, kw_only=True):
+    """[adc]."""
 
-    part: str
-    volts: Positive
     rate_hz: Positive
-    lanes: int = 1
-    sclk_khz: Annotated[int, Meta(gt=0)] | None = None
-
-    def __post_init__(self) -> None:
-        one_of("part", self.part, PARTS)
 
 
-class ArrayAdc(Adc, frozen=True):
-    """[adc] of an array: converters side by side, inputs used of each, wait after a switch."""
+class ArrayAdc(Scanning, frozen=True, kw_only=True):
+    """[adc] of an array."""
 
-    converters: Eight = 1
-    channels: Eight = 8
-    settle_us: Annotated[float, Meta(ge=0, le=1000)] = 1.0
+    rate_hz: Positive
 
 
 class Link(Table, frozen=True):

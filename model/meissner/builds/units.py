@@ -65,6 +65,7 @@ class Units:
     codes: tuple[int, int] | None = None
     most_load: int | None = None
     min_load: int | None = None
+    check_settle: Callable[[int], None] | None = None  # ValueError for too few clocks
 
     def code(self, name: str, quantity: str, value: float) -> int:
         """The code of a register for an amount; ValueError for a quantity that the register does not take.
@@ -167,8 +168,11 @@ class Units:
         return round(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds"))
 
     def settle_clocks(self, seconds: float | Fraction) -> int:
-        """The fewest clocks, at least 1, that last at least ``seconds``."""
-        return max(1, ceil(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds")))
+        """The fewest clocks, at least 1, that last at least ``seconds`` and pass ``check_settle``."""
+        found = max(1, ceil(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds")))
+        if self.check_settle is not None:
+            self.check_settle(found)
+        return found
 
     def load_code(self, newtons: float | Fraction) -> int:
         """Code of the smallest load of at least ``newtons``."""

@@ -9,11 +9,9 @@ Over-range depends on the input without the noise: V outside low_v .. high_v. A 
 full scale, as the unpressed divider does, is in range.
 
 Not modelled: integral and differential non-linearity, offset and gain error, aperture jitter, channel
-crosstalk, reference drift. No scene models the converter's low pass (15 kHz or more, above their band); it
-decides how fast an array can be scanned: ``LowPass``.
+crosstalk, reference drift. What stands in front of the converter: meissner.physics.front.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,38 +67,6 @@ class Adc:
         return (np.asarray(codes) - self.min_code) * self.lsb_v + self.low_v
 
 
-@dataclass(frozen=True)
-class LowPass:
-    """A Butterworth filter of second order in front of the inputs, with ``corner_hz``.
-
-        gain(f) = 1 / sqrt(1 + (f / corner)^4)
-        left(t) = exp(-w) (cos w + sin w),  w = sqrt(2) pi corner t
-
-    ``left``: the share of the old voltage in what is sampled ``t`` seconds after a step from it.
-    """
-
-    corner_hz: float
-
-    def __post_init__(self) -> None:
-        check_finite("corner_hz", self.corner_hz)
-        if self.corner_hz <= 0:
-            raise ValueError(f"corner_hz = {self.corner_hz:g} must be above 0")
-
-    @finite
-    def gain(self, hertz: float) -> float:
-        return 1 / math.sqrt(1 + (hertz / self.corner_hz) ** 4)
-
-    @finite
-    def left(self, seconds: float) -> float:
-        w = math.sqrt(2) * math.pi * self.corner_hz * seconds
-        return math.exp(-w) * (math.cos(w) + math.sin(w))
-
-    @finite
-    def settled_s(self, share: float) -> float:
-        """Seconds from which on the envelope sqrt(2) exp(-w), so ``left`` too, is at most ``share``."""
-        return math.log(math.sqrt(2) / share) / (math.sqrt(2) * math.pi * self.corner_hz)
-
-
 # MCP3208 at 5 V: typical SINAD 72 dB, THD -82 dB (DS21298, 1 kHz, 0.1 to 4.9 V). Without the distortion
 # 0.404 mV rms remain; 0.352 mV of these are quantisation and 0.198 mV the part's own noise.
 MCP3208_NOISE_V = 0.198e-3
@@ -114,42 +80,6 @@ PARTS = {
     "AD7606": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=AD7606_NOISE_V),
     "AD7606C-16": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=AD7606C_NOISE_V),
 }
-# {part: {volts at full scale: corner}}: parts with an analogue low pass.
-CORNERS_HZ = {"AD7606": {5.0: 15e3, 10.0: 23e3}, "AD7606C-16": {5.0: 220e3}}
-SETTLED = 0.01  # share of the old row that a scan may read without a warning
-
-
-@finite
-def old_rows(part: str, settle_s: float, volts: float | None = None) -> list[dict[str, float]]:
-    """For each range of a part with a low pass its ``range_v``, ``corner_hz`` and ``left``: the share of the
-    old row in a taxel that is sampled ``settle_s`` after the lines were switched.
-
-    ``volts``: full scale, of which only the least range that holds it is taken; None: every range.
-    """
-    corners = CORNERS_HZ.get(part.upper(), {})
-    if volts is not None:
-        wide = [range_v for range_v in corners if range_v >= volts] or list(corners)[-1:]
-        corners = {range_v: corners[range_v] for range_v in wide[:1]}
-    left = {range_v: abs(LowPass(hertz).left(settle_s)) for range_v, hertz in corners.items()}
-    return [
-        {"range_v": range_v, "corner_hz": hertz, "left": left[range_v]} for range_v, hertz in corners.items()
-    ]
-
-
-def unsettled(part: str, settle_s: float, rows: list[dict[str, float]]) -> str:
-    """The sentence about ``old_rows``; empty if no more than SETTLED is left."""
-    if max((row["left"] for row in rows), default=0.0) <= SETTLED:
-        return ""
-    shares = " or ".join(
-        f"{100 * row['left']:.3g} % (±{row['range_v']:g} V, {row['corner_hz'] / 1e3:g} kHz)" for row in rows
-    )
-    needed = max(LowPass(row["corner_hz"]).settled_s(SETTLED) for row in rows)
-    return (
-        f"the {part.upper()}'s analogue low pass of second order leaves {shares} of the old row "
-        f"{1e6 * settle_s:g} us after a switch, so the times are those of the digital side only; "
-        f"{100 * SETTLED:g} % is left after {math.ceil(1e6 * needed)} us"
-    )
-
 
 ORIGINS = {
     "MCP3208_NOISE_V": (
@@ -167,16 +97,6 @@ ORIGINS = {
         "chosen",
         "an SNR of 86 dB of a full-scale sine at ±5 V; the data sheet's first page: 92 dB at ±20 V",
         "1.1 codes",
-    ),
-    "CORNERS_HZ": (
-        "datasheet",
-        "Butterworth of second order, -3 dB: AD7606 15 kHz (±5 V), 23 kHz (±10 V); AD7606C-16, wide: 220 kHz",
-        "how much of the old row an array reads (docs/scan.md)",
-    ),
-    "SETTLED": (
-        "chosen",
-        "as much of a neighbour as calibration leaves of a cell",
-        "when a scan is warned of",
     ),
     "PARTS": ("datasheet", "bits and ranges of the parts; the noise is computed", "codes a volt"),
 }

@@ -39,9 +39,10 @@ from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from meissner.arrays import Floats, V, finite
+from meissner.physics.front import LowPass
 
 SUPPLY_V = 5.0
 SERIES_OHM = 1000.0
@@ -321,21 +322,37 @@ def event_shares(count: int, scale: float, rng: np.random.Generator) -> Floats:
 
 
 @finite
-def fluctuation(times_s: ArrayLike, shares: ArrayLike, samples: int, rate_hz: float) -> Floats:
+def fluctuation(
+    times_s: ArrayLike, shares: ArrayLike, samples: int, rate_hz: float, low_pass: LowPass | None = None
+) -> Floats:
     """e(t): each event steps by its share and rings down, exp(-t/RING_S)·cos(2·pi·RING_HZ·t).
 
     One complex pole computes all events; the first sample after each has the phase reached by then, so events
-    keep their exact instants.
+    keep their exact instants. Behind a ``low_pass``, with its W and p of meissner.physics.front, and s the
+    pole of the ring, an event of size 1 is exactly Re(W (a exp(st) + b exp(s*t) - (a + b) exp(pt)) / 2) with
+    a = p/(p - s), b = p/(p - s*).
     """
     from scipy.signal import lfilter
 
-    pole = (-1.0 / RING_S + 2j * np.pi * RING_HZ) / rate_hz
+    pole = -1.0 / RING_S + 2j * np.pi * RING_HZ
     position = np.asarray(times_s) * rate_hz
     index = np.ceil(position).astype(np.int64)
     kept = (index >= 0) & (index < samples)
-    drive = (np.asarray(shares) * np.exp(pole * (index - position)))[kept]
-    comb = np.bincount(index[kept], drive.real, samples) + 1j * np.bincount(index[kept], drive.imag, samples)
-    return lfilter([1.0], [1.0, -np.exp(pole)], comb).real
+
+    def rung(pole: complex) -> NDArray[np.complex128]:
+        per_sample = pole / rate_hz
+        drive = (np.asarray(shares) * np.exp(per_sample * (index - position)))[kept]
+        comb = np.bincount(index[kept], drive.real, samples) + 1j * np.bincount(
+            index[kept], drive.imag, samples
+        )
+        return lfilter([1.0], [1.0, -np.exp(per_sample)], comb)
+
+    if low_pass is None:
+        return rung(pole).real
+    size, own = low_pass.mode
+    a, b = own / (own - pole), own / (own - pole.conjugate())
+    ring = rung(pole)
+    return (size / 2 * (a * ring + b * ring.conjugate() - (a + b) * rung(own))).real
 
 
 @finite

@@ -7,6 +7,7 @@ from msgspec import Meta
 
 from meissner import tables
 from meissner.physics.adc import PARTS, Adc
+from meissner.physics.front import Stream
 from meissner.scenes.sensor import sensor, used
 from meissner.tables import Count, Table, one_of
 
@@ -59,6 +60,10 @@ class Sampled(Scene):
     @property
     def adc(self) -> Adc:
         return PARTS[self.adc_part]
+
+    def front(self) -> Stream:
+        """What stands in front of the converter, for the voltages of a recording from its first sample on."""
+        return Stream(self.adc_part, self.adc.high_v, self.rate_hz)
 
 
 @dataclass(frozen=True, kw_only=True)

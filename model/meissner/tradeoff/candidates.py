@@ -12,12 +12,14 @@ from meissner.budget import array
 from meissner.builds import boards, config
 from meissner.builds.build import line_bytes
 from meissner.builds.keys import PARTS
+from meissner.builds.settling import Settling
 from meissner.physics.adc import PARTS as RANGES
 from meissner.tradeoff import worker
 from meissner.tradeoff.axes import cop4, lanes
 from meissner.tradeoff.axes.slip import HOPS, PART_MV
 from meissner.tradeoff.sweep import figure_of
 from meissner.tradeoff.table import named
+from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.link import packet
 
 # Converters by their bits over 0 to 5 V; the AD7606 and AD7606C-16 have 16 bits over ±5 V.
@@ -94,14 +96,22 @@ def _electrodes(needs, _):
 
 def _array(needs, _):
     axis, base = named("lanes"), tables_of(base_of(needs))
-    own = {"settle_us": base["adc"]["settle_us"], "health": base["array"]["health"]}
+    own = {"settle_share": needs.settle_share, "health": base["array"]["health"]}
     for part in PARTS if needs.adc is None else (needs.adc,):
+        own["settle_us"] = _settle_us(needs, base["adc"], PARTS[part])
         for converters in axis.values["converters"]:
             for inputs in range(1, 9):
                 point = {"adc": part.lower(), "clock_mhz": clock_mhz(needs), "side": needs.rows or 64}
                 point |= {"columns": needs.columns or 64, "converters": converters, "inputs": inputs} | own
                 if lanes.legal(point):
                     yield {"point": point, **worker.measured(axis, point), "part": part}
+
+
+def _settle_us(needs, adc, part):
+    """The settle time of the base's table ``adc`` if it is enough for ``part``, else None."""
+    scan = ScanAdc(part=part, clk_khz=round(1000 * clock_mhz(needs)))
+    settling, given_us = Settling(scan, share=needs.settle_share), adc.get("settle_us")
+    return None if given_us is None or settling.short(settling.clocks(given_us)) else given_us
 
 
 ROWS = {"channels": _channels, "electrodes": _electrodes, "array": _array}
@@ -152,9 +162,14 @@ def tables(needs, row):
     else:
         found["sensor"] |= {"rows": point["side"], "columns": point["columns"]}
         adc |= {"converters": point["converters"], "channels": point["inputs"]}
+        adc |= {key: point[key] for key in ("settle_us", "settle_share")}
+        adc = {key: value for key, value in adc.items() if value is not None}
         adc["lanes"] = array.lanes_of(PARTS[row["part"]], point["inputs"])
         line = frames_on_line(found["link"]["baud"], point["side"], point["columns"])
         adc["rate_hz"] = rounded_rate(min(MARGIN * row["error"]["frames_s"], line))
+        detail_ms = math.ceil(2000 / adc["rate_hz"])  # a time that is not 0 lasts a detail at least
+        times = {key: found["slip"][key] for key in ("hold_ms", "refractory_ms", "blank_ms")}
+        found["slip"] |= {key: max(float(detail_ms), ms) for key, ms in times.items()}
     found["adc"] = adc
     found["about"] = f"chosen by meissner choose: {needs.sensor} on {row['part']}"
     return found

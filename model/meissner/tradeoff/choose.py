@@ -116,8 +116,8 @@ def _why(needs, rows, row, made):
     judged = [[figure_of(one, key) for key in axis.judged] for one in rows]
     rows = [one for one, on in zip(rows, pareto.front(judged)) if on]
     lines = [f"{axis.title.lower()}: {_words(point, {})}"]
-    if warned := made.unsettled:
-        lines.append(f"warning: {warned}")
+    if made.array:
+        lines.append(made.settling.told(made.settle_clocks))
     for figure in axis.figures:
         value = figure_of(row, figure.key)
         if figure.judged and value is not None:

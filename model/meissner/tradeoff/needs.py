@@ -3,7 +3,8 @@
 None: no such need. ``error``: at most, in per cent: for a slip sensor the runs with a missed slip or a false
 alarm, for four wires the converter's part of the position error; for the centre of an array it is negligible.
 ``latency_ms``: at most, the median from the first partial slip to the flag, or the time from a frame's first
-convert start to the centre of pressure. ``window``: samples of a window; the papers use 64.
+convert start to the centre of pressure. ``window``: samples of a window; the papers use 64. ``settle_share``:
+of the old row of an array, as much as may remain when the next one is sampled; None: half a code.
 """
 
 from dataclasses import dataclass, fields
@@ -27,6 +28,7 @@ class Needs:
     r_ohm: float | None = None
     window: int | None = None
     lut: int | None = None
+    settle_share: float | None = None
 
     def __post_init__(self):
         if self.sensor not in SENSORS:
@@ -39,12 +41,14 @@ class Needs:
             value = getattr(self, key)
             if value is not None and not 0 <= value < 1e9:
                 raise ValueError(f"{key} = {value:g} must be a number from 0 on")
+        if self.settle_share is not None and not 0 < self.settle_share <= 1:
+            raise ValueError(f"settle_share = {self.settle_share:g} must be above 0 and at most 1")
         own = {
             "channels": ("channels", "window"),
             "electrodes": ("rows", "columns", "r_ohm"),
-            "array": ("rows", "columns"),
+            "array": ("rows", "columns", "settle_share"),
         }
-        for key in ("channels", "window", "rows", "columns", "r_ohm"):
+        for key in ("channels", "window", "rows", "columns", "r_ohm", "settle_share"):
             if getattr(self, key) is not None and key not in own[self.sensor]:
                 raise ValueError(f"{key} must not be given with the sensor {self.sensor}")
 
@@ -69,6 +73,8 @@ NEEDS = {
         lut=500,
     ),
     "cop4": Needs("electrodes", error=0.05, board="ulx3s", adc="AD7606", rows=7, columns=7, r_ohm=100.0),
-    "array64": Needs("array", latency_ms=1, board="ulx3s", adc="AD7606", rows=64, columns=64),
+    "array64": Needs(
+        "array", latency_ms=1, board="ulx3s", adc="AD7606", rows=64, columns=64, settle_share=1.0
+    ),
     "fingertip": Needs("array", latency_ms=1, board="icebreaker", adc="MCP3208", rows=3, columns=3),
 }

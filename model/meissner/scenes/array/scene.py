@@ -8,7 +8,8 @@ import numpy as np
 from msgspec import Meta
 
 from meissner.physics import mesh_loads, patches, plantar
-from meissner.scenes import base
+from meissner.scenes import base, scanned
+from meissner.scenes.scanned import Scan, ScanKeys
 from meissner.tables import Count, Positive, Table, values
 from meissner.twins.cop.cop import sum_bits
 
@@ -17,6 +18,7 @@ WHY = {
     "moving contact": "[[world.patches]]: place and force of each contact",
     "elastic cover": "depth_pitches: spread of a patch",
     "taxel converter": "[converter]: force to codes, with its noise",
+    "converter front": "[scan]: what remains of the row before",
     "recorded pressures": "kind recording: dataset",
 }
 COMPONENTS = tuple(WHY)
@@ -113,6 +115,7 @@ class Keys(base.Keys, kw_only=True):
     rate_hz: Count
     array: ArrayKeys
     converter: Converter | None = None
+    scan: ScanKeys | None = None
     world: Moving | Recorded
 
     def __post_init__(self):
@@ -121,6 +124,8 @@ class Keys(base.Keys, kw_only=True):
             raise ValueError("the key 'converter' is missing")
         if self.converter and not moving:
             raise ValueError("unknown key 'converter': a recording has codes")
+        if self.scan and not moving:
+            raise ValueError("unknown key 'scan': a recording has codes")
         if moving and round(self.world.seconds * self.rate_hz) < 1:
             raise ValueError(f"[world]: seconds = {self.world.seconds:g} hold no frame")
 
@@ -136,6 +141,7 @@ class Scene(base.Scene):
     converter: Converter | None
     kind: str
     world: dict
+    scan: Scan | None
 
     @property
     def unit(self):
@@ -168,8 +174,10 @@ def build(name, table):
     world = values(keys.world)
     if "patches" in world:
         world["patches"] = paths(world["patches"])
+    size = keys.array.rows, keys.array.columns
     return Scene(
         **own,
+        scan=keys.scan and scanned.build(f"scene {name}", keys.scan, *size, keys.rate_hz),
         **values(keys.array),
         converter=keys.converter,
         world=world,
@@ -177,7 +185,7 @@ def build(name, table):
 
 
 def modelled(scene):
-    return COMPONENTS[3:] if scene.kind == "recording" else COMPONENTS[:3]
+    return COMPONENTS[4:] if scene.kind == "recording" else COMPONENTS[: 4 if scene.scan else 3]
 
 
 def memory(scene):
@@ -203,13 +211,15 @@ def simulate(scene, seed=0):
         codes = np.empty((len(phase), scene.rows, scene.columns), dtype=np.uint16)
         load, x, y = np.empty((3, len(phase)))
         step = max(1, (1 << 20) // (scene.rows * scene.columns))
+        front = scene.scan.through() if scene.scan else None
         for start in range(0, len(phase), step):
             part = slice(start, start + step)
             force_n = patches.forces(
                 scene.rows, scene.columns, world["patches"], phase[part], world["depth_pitches"]
             )
             load[part], x[part], y[part] = mesh_loads.true_centre(force_n)
-            codes[part], over = scene.converter.convert(force_n, rng)
+            sampled_n = front.next(force_n) if front else force_n
+            codes[part], over = scene.converter.convert(sampled_n, rng)
             over_range += over
     return Recording(
         scene=scene,

@@ -9,9 +9,10 @@ from msgspec import Meta
 from meissner.builds.cop_tables import Cop
 from meissner.physics import fsr, mesh_loads, patches
 from meissner.physics.adc import Adc
-from meissner.scenes import base
+from meissner.scenes import base, scanned
 from meissner.scenes.array import scene as cop
 from meissner.scenes.array.scene import Patches, Side
+from meissner.scenes.scanned import Scan, ScanKeys
 from meissner.tables import Count, Positive, Table, naming, one_of, read, values
 
 FEATURES = {
@@ -26,6 +27,7 @@ WHY = {
     "drift under load": "material: drift that calibration cannot remove",
     "resistor network": "[readout]: the cells share their lines",
     "converter": "[converter]: volts to codes, with its noise",
+    "converter front": "[scan]: what remains of the row before",
     "faults": "[[faults]]",
 }
 COMPONENTS = tuple(WHY)
@@ -100,6 +102,7 @@ class Keys(base.Keys):
     readout: ReadoutKeys
     converter: ConverterKeys
     world: World
+    scan: ScanKeys | None = None
     faults: Annotated[list[dict], Meta(min_length=1)] | None = None
 
     def __post_init__(self):
@@ -129,6 +132,7 @@ class Scene(base.Scene):
     adc: Adc
     world: dict
     faults: tuple
+    scan: Scan | None
 
 
 @dataclass(frozen=True)
@@ -164,6 +168,7 @@ def build(name, table):
     keys, own = base.read(name, table, Keys)
     array, converter, supply_v = keys.array, keys.converter, keys.readout.supply_v
     size, at = (array.rows, array.columns), f"scene {name}, [[faults]]"
+    scan = keys.scan and scanned.build(f"scene {name}", keys.scan, *size, keys.rate_hz)
     return Scene(
         **own,
         rows=array.rows,
@@ -174,6 +179,7 @@ def build(name, table):
         adc=Adc(converter.bits, 0.0, supply_v, converter.noise_v),
         world=values(keys.world) | {"patches": cop.paths(keys.world.patches)},
         faults=tuple(_fault(at, row, *size) for row in keys.faults or ()),
+        scan=scan,
     )
 
 
@@ -194,9 +200,11 @@ class _World:
         siemens = fsr.break_cells(siemens, scene.faults, scene.rate_hz, self.rng)
         codes = np.empty(siemens.shape, dtype=np.int32)
         piece = max(1, (1 << 18) // siemens[0].size)
+        front = scene.scan.through() if scene.scan else None
         for start in range(0, len(siemens), piece):
             part = slice(start, start + piece)
             volts = fsr.output_volts(siemens[part], scene.readout, scene.faults)
+            volts = front.next(volts) if front else volts
             codes[part], over = scene.adc.convert(volts, self.rng)
             self.over_range += int(over.sum())
         return fsr.stick(codes, scene.faults, scene.adc.max_code)
@@ -209,7 +217,8 @@ class _World:
 
 
 def modelled(scene):
-    return COMPONENTS if scene.faults else COMPONENTS[:-1]
+    out = {"faults": not scene.faults, "converter front": not scene.scan}
+    return tuple(part for part in COMPONENTS if not out.get(part))
 
 
 def memory(scene):

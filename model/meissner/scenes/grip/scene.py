@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from meissner.builds import config as builds
 from meissner.physics import grip, mesh_loads, plate
 from meissner.physics.cop4_config import Cop4Config
+from meissner.physics.front import Stream
 from meissner.physics.mesh import Solution
 from meissner.scenes import base
 from meissner.scenes.mesh.scene import electrodes
@@ -91,6 +92,7 @@ class Scene(base.Scene):
 
     rate_hz: float
     seeds: int
+    adc_part: str
     config: Cop4Config
     lag: int
     registers: CopSlipRegisters
@@ -133,6 +135,7 @@ def build(name, table):
     world = values(keys.world)
     conditions = (*world.pop("pulls"), *world.pop("grips"))
     settings = {"config": config, "lag": lag, "registers": registers, "rate_hz": found.rate_hz}
+    settings["adc_part"] = found.adc.part
     return Scene(**own, **settings, world=world, conditions=conditions)
 
 
@@ -179,14 +182,15 @@ def simulate(scene, condition, seed=0, side=0):
         condition = replace(condition, direction_deg=direction_deg) if pulled else condition
     depth = world["cover_pitches"] + world["cover_mm"] / world["pitch_mm"]
     pressing, felt = grip.loads(held, mesh.m, mesh.n, world["pitch_mm"], depth, direction_deg, rng)
-    solution = mesh.solve(felt)
+    solution, adc = mesh.solve(felt), scene.config.adc
+    volts = Stream(scene.adc_part, adc.high_v, scene.rate_hz).next(electrodes(solution).T).T
     load, x, y = mesh_loads.true_centre(pressing)
     return Recording(
         scene=scene,
         condition=condition,
         seed=seed,
         time_s=time_s,
-        codes=scene.config.convert(electrodes(solution), rng),
+        codes=scene.config.convert(volts, rng),
         solution=solution,
         held=held,
         load=load,

@@ -41,7 +41,7 @@ def quiet_v(scene, condition, seeds):
     ripple_n = plate.RIPPLE_N * min(1.0, CLOSE_N_S / RIPPLE_N_S) * Ripple(scene.rate_hz, rngs).next(count)
     volts = rubber.rest_volts(np.maximum(CLOSE_N_S / scene.rate_hz * np.arange(count) + ripple_n, 1e-6))
     noise_v = scene.adc.noise_v * np.stack([rng.standard_normal((2, count)) for rng in rngs])
-    codes, _ = scene.adc.convert((volts[:, None] + noise_v).reshape(-1, count))
+    codes, _ = scene.adc.convert((scene.front().next(volts)[:, None] + noise_v).reshape(-1, count))
     config = scene.slip_config(condition)
     span = config.window >> config.level
     detail, _ = Haar(len(codes), config.level).next(codes)
@@ -99,6 +99,12 @@ class Host:
                 self.gross[:] = False
             self.floor = floor
             self.reflexes.hold_above(np.rint(floor).astype(np.int64))
+
+    def free(self, cycle):
+        """The number of cycles from this one on before ``write`` may change a register again."""
+        answers = self.gross_share and (self.gross.any() or (self.floor > self.settings.minimum).any())
+        every = (self.follow, self.look, *([self.answer] if answers else []))
+        return min(one - cycle % one for one in every)
 
     def read(self, vc_v, command, gross):
         """Take Vc, the command, and whether a finger slipped gross, after a cycle; all [runs]."""

@@ -77,6 +77,7 @@ class PartialSlip:
 
     level: np.ndarray
     share: np.ndarray
+    seen: np.ndarray  # the share, of which the converter's filter leaves this
     events_s: np.ndarray
     shares: np.ndarray
 
@@ -89,8 +90,8 @@ def _contacts(time_s, force_n):
     )
 
 
-def partial_slip(pull, condition, time_s, rate_hz, rng):
-    """The PartialSlip of a pull under a Condition."""
+def partial_slip(pull, condition, time_s, rate_hz, rng, low_pass=None):
+    """The PartialSlip of a pull under a Condition; ``low_pass``: the converter's."""
     scale = plate.MATERIALS[condition.material].fluctuation
     ratios = rubber.event_ratios(rng, condition.first_event, 1.0 / condition.burst)
     partial_s = pull.time_of(ratios)
@@ -99,14 +100,14 @@ def partial_slip(pull, condition, time_s, rate_hz, rng):
     shares = rubber.event_shares(len(partial_s), scale, rng)
     gross = rubber.GROSS_SHARE * rubber.EVENT_SHARE * scale  # conductance rises: Vc drops
     sliding = rubber.SLIDING_SHARE * rubber.event_shares(len(pull.slips_s), scale, rng)
-    share = rubber.fluctuation(
+    events = (
         np.concatenate([partial_s, [pull.gross_s], pull.slips_s]),
         np.concatenate([shares, [gross], sliding]),
-        len(time_s),
-        rate_hz,
     )
+    share = rubber.fluctuation(*events, len(time_s), rate_hz)
+    seen = rubber.fluctuation(*events, len(time_s), rate_hz, low_pass) if low_pass else share
     level = rubber.shear_level(time_s, pull.shear_mm_s, condition.recovers)
-    return PartialSlip(level, share, partial_s, shares)
+    return PartialSlip(level, share, seen, partial_s, shares)
 
 
 def simulate(scene, condition=0, seed=0):
@@ -117,7 +118,7 @@ def simulate(scene, condition=0, seed=0):
     disturbed = np.random.default_rng([seed, number, 1])  # separate: disturbances leave the slip unchanged
     samples = round(scene.duration_s(condition) * scene.rate_hz)
     time_s = np.arange(samples) / scene.rate_hz
-    world = scene.world
+    world, front = scene.world, scene.front()
 
     ramps = [(world["press_start_s"], world["press_s"])]
     if scene.kind == "press":
@@ -136,20 +137,28 @@ def simulate(scene, condition=0, seed=0):
             rng,
             follow=condition.follow,
         )
-        slip = partial_slip(pull, condition, time_s, scene.rate_hz, rng)
+        slip = partial_slip(pull, condition, time_s, scene.rate_hz, rng, front.low_pass)
         tension_n, slip_mm = pull.tension_n, pull.slip_mm
         onset_s, gross_s = float(slip.events_s[0]), float(pull.gross_s)
     if scene.kind == "grip":
         normal_n = plate.followed(time_s, normal_n, pull, condition.follow, disturbed)
 
     shown_n = disturbances.hysteresis(normal_n, condition.hysteresis) if condition.hysteresis else normal_n
-    share = None if slip is None else slip.share
+    level = None if slip is None else slip.level
+    noise, hum_v = None, 0.0
     if condition.flicker:
         noise = disturbances.flicker(samples, scene.rate_hz, condition.flicker, disturbed)
-        share = noise if share is None else share + noise
-    volts = rubber.volts(shown_n, None if slip is None else slip.level, share)
     if condition.hum_v:
-        volts = volts + disturbances.hum(time_s, condition.hum_v, disturbed)
+        hum_v = disturbances.hum(time_s, condition.hum_v, disturbed)
+
+    def at_pin(share=None):
+        both = noise if share is None else share if noise is None else share + noise
+        return rubber.volts(shown_n, level, both) + hum_v
+
+    volts = sampled = at_pin(None if slip is None else slip.share)
+    if front.low_pass:
+        sampled = front.next(quiet := at_pin())
+        sampled = sampled + (0.0 if slip is None else at_pin(slip.seen) - quiet)
 
     events_s = events_v = np.zeros(0)
     if slip is not None:
@@ -157,7 +166,7 @@ def simulate(scene, condition=0, seed=0):
         before = np.minimum((events_s * scene.rate_hz).astype(np.int64), samples - 1)
         events_v = rubber.event_steps(rubber.volts(shown_n[before], slip.level[before]), slip.shares)
 
-    codes, over_range = scene.adc.convert(volts, rng)
+    codes, over_range = scene.adc.convert(sampled, rng)
     return Recording(
         scene=scene,
         condition=condition,

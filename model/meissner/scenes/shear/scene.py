@@ -248,7 +248,7 @@ def simulate(scene, case=0, seed=0):
         spread = 1.0 + rubber.SHEAR_SPREAD * rng.standard_normal()
         level = case.lot * spread * rubber.shear_level(time_s, speed, case.recovers)
     volts = rubber.volts(normal_n, level, share)
-    converted, over_range = scene.adc.convert(volts, rng)
+    converted, over_range = scene.adc.convert(scene.front().next(volts), rng)
     return Recording(
         scene=scene,
         condition=case,

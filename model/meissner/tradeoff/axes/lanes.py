@@ -7,12 +7,14 @@ from meissner.twins.shared import LANES
 
 
 def found(point):
-    """The budget of an array; it is square unless the point has ``columns``, and settles in ``settle_us``."""
+    """The budget of an array; it is square unless the point has ``columns``. Rows settle for 1 us, which not
+    every converter's front makes of it, or for ``settle_us``; None: as long as the converter needs."""
     return array.budget(
         *(point["side"], point.get("columns", point["side"]), 1e6 * point["clock_mhz"]),
         *(array.part_of(point["adc"]), point["converters"], point.get("settle_us", 1.0)),
         *(point["inputs"], point.get("sclk_khz")),
         health=point.get("health", False),
+        settle_share=point.get("settle_share"),
     )
 
 

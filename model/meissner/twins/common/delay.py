@@ -1,4 +1,4 @@
-"""Bit-exact twins of rtl/common/msn_delay.sv, msn_ram.sv and msn_sync.sv: values a fixed number of steps later."""
+"""Bit-exact twins of rtl/common/msn_delay.sv, msn_ram.sv and msn_sync.sv: values some steps later."""
 
 import numpy as np
 
