@@ -14,7 +14,7 @@ from cocotb.triggers import ReadOnly, RisingEdge, ValueChange
 
 import bench
 from frontend.test_scan import apply, counts
-from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11125, MAX11131, MCP3208, PARTS
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11131, MCP3208, PARTS
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_plan import Settings
 from parts import ad7606, ad7606c, max1112x, mcp3208
