@@ -15,12 +15,13 @@ LAYERS = [
         "interval",
         "tables",
         "files",
+        "pool",
         "builds.cached_files",
         "builds.objcache",
         "builds.toolchain",
     ),
     *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
-    *("sense", "builds", "engines", "report", "scenes", "run"),
+    *("forest", "sense", "builds", "engines", "report", "scenes", "run"),
     *("host", "budget", "tradeoff", "process", "parser", "cli"),
 ]
 

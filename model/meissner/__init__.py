@@ -4,6 +4,7 @@
     SlipConfig                 the settings of a slip detector
     Cop4Config                 a four-wire sensor: mesh, amplifiers, converter
     Calibration                a straight line per cell of an array
+    Forest                     a trained forest as the core decides: ``predict(X)``, in scikit-learn's place
 
 Each is imported on first use, so that the command line starts quickly.
 """
@@ -13,16 +14,18 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from meissner.calibration import Calibration
+    from meissner.forest.forest import Forest
     from meissner.physics.cop4_config import Cop4Config
     from meissner.sense import Array, Cop, Cop4, Slip
     from meissner.twins.slip.config import SlipConfig
 
     __version__: str
 
-__all__ = ["Array", "Calibration", "Cop", "Cop4", "Cop4Config", "Slip", "SlipConfig"]
+__all__ = ["Array", "Calibration", "Cop", "Cop4", "Cop4Config", "Forest", "Slip", "SlipConfig"]
 _MODULES = dict.fromkeys(("Array", "Cop", "Cop4", "Slip"), "meissner.sense") | {
     "Calibration": "meissner.calibration",
     "Cop4Config": "meissner.physics.cop4_config",
+    "Forest": "meissner.forest.forest",
     "SlipConfig": "meissner.twins.slip.config",
 }
 

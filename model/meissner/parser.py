@@ -23,6 +23,10 @@ def _out(parser, metavar, what, required=False, holds=""):
     parser.set_defaults(holds=holds)
 
 
+def _jobs(parser):
+    parser.add_argument("--jobs", type=int, metavar="N", help="processor cores to use (all of them)")
+
+
 def parser():
     """The parser of every command."""
     top = _Parser(prog="meissner", description="Slip, pressure and grip from a tactile sensor's ADC pins.")
@@ -35,6 +39,7 @@ def parser():
     _choose(commands)
     _calibrate(commands)
     _fit_rubber(commands)
+    _forest(commands)
     _config(commands)
     return top
 
@@ -50,6 +55,8 @@ def _run(commands):
     run.add_argument(
         "--seed", type=int, default=1, help="first seed; the scene determines how many follow (1)"
     )
+    run.add_argument("--runs", type=int, metavar="N", help="seeds of each condition (the scene's number)")
+    _jobs(run)
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
     run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
     run.set_defaults(call="meissner.cli:run")
@@ -73,6 +80,7 @@ def _process(commands):
     slip.add_argument("--hop", type=int, help="samples, even, 2 to window (default: the window)")
     slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
     slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    _jobs(slip)
     _out(slip, "OUT.npz", "output file, .npz or .csv", required=True)
     slip.set_defaults(call="meissner.process:slip")
 
@@ -81,6 +89,7 @@ def _process(commands):
     cop.add_argument("--min-load", type=int, default=1, help="minimum sum of forces for a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="a file that `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    _jobs(cop)
     _out(cop, "OUT.npz", "output file, .npz or .csv", required=True)
     cop.set_defaults(call="meissner.process:cop")
 
@@ -90,6 +99,7 @@ def _process(commands):
         "--config", required=True, metavar="C.toml", help="docs/cop4.md, or a build's (docs/config.md)"
     )
     cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    _jobs(cop4)
     _out(cop4, "OUT.npz", "output file, .npz or .csv", required=True)
     cop4.set_defaults(call="meissner.process:cop4")
 
@@ -324,6 +334,19 @@ def _fit_rubber(commands):
         help="converter codes per volt, for the register values (819.2)",
     )
     parser.set_defaults(call="meissner.fit_rubber:command")
+
+
+def _forest(commands):
+    parser = commands.add_parser("export-forest", help="a trained forest as F.json: scikit-learn's or ONNX's")
+    parser.add_argument("model", metavar="MODEL", help="a .skops, .onnx or .joblib file (docs/forest.md)")
+    parser.add_argument(
+        "--trust", action="store_true", help="load a .joblib or pickle file, which runs the code it holds"
+    )
+    parser.add_argument(
+        "--integer", metavar="NAMES", help="features that are integers below 2^24: all, or x0,x3 (none)"
+    )
+    _out(parser, "F.json", "output file", required=True)
+    parser.set_defaults(call="meissner.forest.command:export")
 
 
 def _config(commands):

@@ -101,6 +101,7 @@ ALONE = {  # exit code and words of each command
     "process cop4 no.npy --config cop4 --out out.npz": (2, FILE),
     "calibrate no.npz --out out.npz": (2, FILE),
     "fit-rubber no.csv": (2, FILE),
+    "export-forest no.skops --out F.json": (2, FILE),
     "budget --cop4 --rows 0": (2, "rows = 0"),
     "regs no": (2, LINE),
     "live no": (2, LINE),

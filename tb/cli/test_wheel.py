@@ -139,6 +139,8 @@ print(len(names))
 
 def test_what_extras_bring_is_asked_for(installed, tmp_path):
     np.save(tmp_path / "in.npy", np.ones((1, 2, 3), int))
+    for suffix in ("skops", "onnx", "pkl"):
+        (tmp_path / f"in.{suffix}").touch()
     gate = ("process", "cop", "in.npy", "--engine", "gate", "--out", "o.npz")
     for command, says in (
         (
@@ -146,6 +148,9 @@ def test_what_extras_bring_is_asked_for(installed, tmp_path):
             "the recorded steps need jiku-data and h5py: [recordings]",
         ),
         (("tradeoff", "--quick", "--scheduler", "tcp://a:1"), "--scheduler needs Dask: [dask]"),
+        (("export-forest", "in.skops", "--out", "F.json"), "in.skops needs skops: [forest]"),
+        (("export-forest", "in.onnx", "--out", "F.json"), "in.onnx needs onnx: [forest]"),
+        (("export-forest", "in.pkl", "--trust", "--out", "F.json"), "in.pkl needs scikit-learn: [forest]"),
         (gate, "the engine gate needs Yosys: `make synth` in a checkout, or [gate]"),
     ):
         done = installed(*command, cwd=tmp_path)

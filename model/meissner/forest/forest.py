@@ -1,0 +1,179 @@
+"""A forest's decisions in the core's own integers: the twin of what the RTL decides, for many rows at once.
+
+    node: q[feature] <= threshold: left, else right
+    V_c = sum over trees of the votes of the leaf that a row reaches
+    class = the first c with the largest V_c            probability = V_c / (65535 trees)
+
+meissner.forest.quantise makes q of the features.
+"""
+
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meissner.forest import file
+from meissner.forest.file import INTEGER_LIMIT, ONE, Model
+from meissner.forest.quantise import to_ranks
+
+PAIRS = 1 << 20  # of a row and a tree, followed at the same time
+
+
+class ForestResult(NamedTuple):
+    """The decision about every row, named as in OUT.npz.
+
+    Attributes
+    ----------
+    index : int64 [rows]
+        Of the class in ``classes_``.
+    votes : int64 [rows, classes]
+        65535 for each tree that is certain of the class.
+    """
+
+    index: NDArray[np.int64]
+    votes: NDArray[np.int64]
+
+
+class Forest:
+    """A forest as the core decides (rtl/forest/msn_forest.sv); it takes the place of a scikit-learn object.
+
+    Parameters
+    ----------
+    model : a fitted scikit-learn forest or tree, or meissner.forest.file.Model
+    integer : sequence of str, or True
+        Names of features whose values are integers below 2**24 and pass as they are; True: all.
+
+    Attributes
+    ----------
+    classes_ : [classes]
+        The labels, as in scikit-learn.
+    n_features_in_ : int
+
+    Raises
+    ------
+    ValueError
+        For a model of another kind, and one that is damaged.
+    """
+
+    def __init__(self, model: Any, integer: Any = ()) -> None:
+        if not isinstance(model, Model):
+            from meissner.forest.sklearn import of_model
+
+            model = of_model(model, integer)
+        self.model = model
+        self.classes_ = np.array(model.classes)
+        self.n_features_in_ = len(model.features)
+        sizes = [len(tree.feature) for tree in model.trees]
+        base = np.cumsum([0, *sizes[:-1]])
+        joined = lambda name: np.concatenate([getattr(tree, name) for tree in model.trees])
+        at = np.repeat(base, sizes)
+        self._feature, self._threshold = joined("feature"), joined("threshold")
+        children = np.stack([joined("right"), joined("left")], 1)
+        self._children = np.where(children < 0, children, children + at[:, None])
+        missing = model.trees[0].missing_left is not None
+        self._missing_left = joined("missing_left") if missing else None
+        self._roots = np.array(
+            [tree.root + start * (tree.root == 0) for tree, start in zip(model.trees, base)]
+        )
+
+    @classmethod
+    def from_file(cls, path: str | PathLike[str], integer: Any = (), trust: bool = False) -> "Forest":
+        """The forest in F.json, a .skops or .onnx file, or with ``trust`` a joblib file, which runs code."""
+        if Path(path).suffix.lower() == ".json":
+            return cls(file.read(path))
+        from meissner.forest.models import load
+
+        return cls(load(path, integer, trust))
+
+    def to_file(self, path: str | PathLike[str]) -> None:
+        """Write F.json."""
+        file.write(path, self.model)
+
+    def quantise(self, x: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.bool_] | None]:
+        """What the nodes compare [rows, features], and which of it is missing (or None: nothing is).
+
+        Raises
+        ------
+        ValueError
+            For another number of features, infinity, NaN if the model has no rule for it, and numbers with a
+            fraction or beyond 2**24 in a feature of integers.
+        """
+        names = [feature.name for feature in self.model.features]
+        if (columns := getattr(x, "columns", None)) is not None and names[0] != "x0":
+            columns = [*map(str, columns)]
+            for name in names:
+                if name not in columns:
+                    raise ValueError(f"the feature {name} is missing")
+            if columns != names:
+                raise ValueError(f"the features must be {', '.join(names)} in this order")
+        x = np.asarray(x)
+        if x.dtype.kind not in "iufb":
+            raise ValueError(f"the features must be numbers, not {x.dtype}")
+        x = x[None] if x.ndim == 1 else x
+        if x.ndim != 2 or x.shape[1] != len(names):
+            lacks = f": {names[x.shape[1]]} is missing" if x.ndim == 2 and x.shape[1] < len(names) else ""
+            raise ValueError(f"the rows must have the shape [rows, {len(names)}], not {x.shape}{lacks}")
+        with np.errstate(over="ignore"):
+            single = x.astype(np.float32)
+        self._refuse(np.isinf(single), names, "is infinite or too large for a float of 32 bits")
+        if self._missing_left is None:
+            self._refuse(np.isnan(single), names, "is NaN, and this model has no rule for missing values")
+        for index, feature in enumerate(self.model.features):
+            if feature.thresholds is None:
+                own = x[:, index : index + 1]
+                good = np.isnan(single[:, index : index + 1]) | (
+                    np.abs(own.astype(np.float64)) < INTEGER_LIMIT
+                )
+                good &= ~(own != np.rint(own)) | (own != own)
+                self._refuse(
+                    ~good, names[index:], f"must be an integer below {INTEGER_LIMIT} and above its negative"
+                )
+        return to_ranks(self.model, x)
+
+    @staticmethod
+    def _refuse(wrong, names, says):
+        if wrong.any():
+            row, column = np.argwhere(wrong)[0]
+            raise ValueError(f"row {row}: {names[column]} {says}")
+
+    def next(self, x: ArrayLike) -> ForestResult:
+        """Decisions about rows of features [rows, features], or [features] for one row, with the errors of
+        ``quantise``; no state between rows."""
+        q, missing = self.quantise(x)
+        count, trees = max(PAIRS // len(self._roots), 1), self.model.leaves
+        votes = np.empty((len(q), trees.shape[1]), np.int64)
+        for start in range(0, len(q), count):
+            rows = slice(start, start + count)
+            leaf = self._leaves(q[rows], None if missing is None else missing[rows])
+            for index in range(trees.shape[1]):
+                votes[rows, index] = trees[:, index].astype(np.int64)[leaf].sum(1)
+        return ForestResult(votes.argmax(1), votes)
+
+    def process(self, x: ArrayLike) -> ForestResult:
+        """The same as ``next``."""
+        return self.next(x)
+
+    def _leaves(self, q, missing):
+        """The leaf of each row in each tree [rows, trees]."""
+        trees = len(self._roots)
+        at = np.tile(self._roots, len(q))
+        going = np.flatnonzero(at >= 0)
+        while going.size:
+            node, row = at[going], going // trees
+            feature = self._feature[node]
+            left = q[row, feature] <= self._threshold[node]
+            if missing is not None:
+                left = np.where(missing[row, feature], self._missing_left[node], left)
+            at[going] = after = self._children[node, left.astype(np.int64)]
+            going = going[after >= 0]
+        return (-1 - at).reshape(len(q), trees)
+
+    def predict_proba(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Probabilities [rows, classes], within 7.7e-6 of scikit-learn's."""
+        return self.next(x).votes / (ONE * len(self._roots))
+
+    def predict(self, x: ArrayLike) -> NDArray[Any]:
+        """The label of each row, as in scikit-learn."""
+        return self.classes_[self.next(x).index]

@@ -1,0 +1,80 @@
+"""Forests of scikit-learn: an object in memory, or a joblib file, whose loading runs code."""
+
+import numpy as np
+
+from meissner.forest.quantise import Raw, check, quantise
+
+KINDS = ("RandomForestClassifier", "ExtraTreesClassifier", "DecisionTreeClassifier", "ExtraTreeClassifier")
+TAKEN = "RandomForestClassifier, ExtraTreesClassifier or DecisionTreeClassifier"
+EXTRA = "pip install 'meissner[forest]'"
+RUNS_CODE = "a joblib or pickle file runs code when it is loaded: give --trust if you know who made it"
+
+
+def of_file(path, integer=(), trust=False):
+    """The Model of a joblib or pickle file."""
+    if not trust:
+        raise ValueError(f"{path} was not loaded: {RUNS_CODE}")
+    try:
+        import joblib
+        import sklearn  # noqa: F401
+    except ImportError:
+        raise ValueError(f"{path} needs scikit-learn: {EXTRA}") from None
+    try:
+        model = joblib.load(path)
+    except Exception as problem:
+        raise ValueError(f"{path} cannot be loaded: {_line(problem)}") from None
+    return of_model(model, integer)
+
+
+def _line(problem):
+    return str(problem).partition("\n")[0] or type(problem).__name__
+
+
+def of_model(model, integer=()):
+    """The Model of a fitted forest or tree; ``integer``: names of features, or True for all."""
+    kind = type(model)
+    if kind.__module__.split(".")[0] != "sklearn" or kind.__name__ not in KINDS:
+        other = "; boosted trees add margins, which is another vote" if "Boost" in kind.__name__ else ""
+        raise ValueError(f"a {kind.__name__} is no forest that votes with probabilities: {TAKEN}{other}")
+    forest = kind.__name__ in KINDS[:2]
+    if not hasattr(model, "estimators_" if forest else "tree_"):
+        raise ValueError(f"the {kind.__name__} is not fitted")
+    import sklearn
+
+    if model.n_outputs_ != 1:
+        raise ValueError(f"the {kind.__name__} has {model.n_outputs_} outputs; the core decides one class")
+    features, classes = model.n_features_in_, np.asarray(model.classes_).tolist()
+    trees = []
+    for index, each in enumerate(model.estimators_ if forest else [model]):
+        if type(each).__name__ not in KINDS[2:] or not hasattr(each, "tree_"):
+            raise ValueError(f"tree {index} is a {type(each).__name__}, not a fitted tree")
+        trees.append(_raw(each, features, len(classes), f"tree {index}"))
+    if not trees:
+        raise ValueError(f"the {kind.__name__} has no trees")
+    names = [*map(str, getattr(model, "feature_names_in_", [f"x{index}" for index in range(features)]))]
+    integer = names if integer is True else integer
+    return quantise(trees, classes, names, integer, f"scikit-learn {sklearn.__version__} {kind.__name__}")
+
+
+def _raw(each, features, classes, place):
+    tree = each.tree_
+    if tree.node_count > tree.capacity:  # its arrays would end behind its memory
+        raise ValueError(f"{place}: it has {tree.node_count} nodes and memory for {tree.capacity}")
+    if tree.n_features != features:
+        raise ValueError(f"{place}: it has {tree.n_features} features, the model {features}")
+    if tree.n_outputs != 1 or tree.value.shape[1:] != (1, classes):
+        raise ValueError(f"{place}: its values {tree.value.shape} do not fit {classes} classes")
+    names = ("feature", "threshold", "children_left", "children_right")
+    takes_missing = getattr(each, "_support_missing_values", None)
+    takes_missing = takes_missing is not None and takes_missing(np.zeros((1, features)))
+    value = tree.value[:, 0]
+    raw = Raw(
+        *(getattr(tree, name) for name in names),
+        value,
+        tree.missing_go_to_left == 1 if takes_missing else None,
+    )
+    check(raw, features, classes, place)
+    total = value.sum(1, keepdims=True)  # numbers of samples before scikit-learn 1.3
+    return raw._replace(
+        value=np.where(np.abs(total - 1) < 1e-9, value, value / np.where(total > 0, total, 1))
+    )

@@ -1,0 +1,76 @@
+"""A forest in the words that the engines' memories hold (docs/forest.md, "Node word").
+
+    [63:62] kind      0: both children are nodes   1: the left one is a leaf   2: the right one   3: both
+    [61:54] feature   [53:32] threshold, 22 bits, signed
+    [31:0]  kind 0: address of the right child, whose sibling follows the node
+    [31:16] left leaf, [15:0] right leaf   else; the child that is a node follows
+
+A leaf is the votes for class 1 if there are two classes, else a row of the table of leaves.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meissner.forest.file import Model
+
+FEATURES, LEAVES = 1 << 8, 1 << 16
+THRESHOLD_BITS = 22
+THRESHOLD_LIMIT = 1 << THRESHOLD_BITS - 1
+
+
+class Words(NamedTuple):
+    """``nodes``: uint64; ``roots``: word address of each tree; ``leaves``: uint16 [leaves, classes]."""
+
+    nodes: NDArray[np.uint64]
+    roots: NDArray[np.int64]
+    leaves: NDArray[np.uint16]
+
+
+def fits(thresholds) -> bool:
+    """Whether the thresholds, and values that saturate, keep their order in the word's bits."""
+    return bool(((thresholds >= -THRESHOLD_LIMIT) & (thresholds <= THRESHOLD_LIMIT - 2)).all())
+
+
+def check(model: Model) -> None:
+    """Raise ValueError if the word has no room for ``model``."""
+    if len(model.features) > FEATURES:
+        raise ValueError(f"{len(model.features)} features are more than the {FEATURES} of a node's word")
+    if len(model.classes) != 2 and len(model.leaves) > LEAVES:
+        raise ValueError(f"{len(model.leaves)} distinct leaves are more than the {LEAVES} of a node's word")
+    for index, tree in enumerate(model.trees):
+        if not fits(tree.threshold):
+            bits = f"{THRESHOLD_BITS} bits"
+            raise ValueError(f"tree {index}: a threshold does not fit {bits}; export that feature as a float")
+
+
+def pack(model: Model, trees=None) -> Words:
+    """The memory of an engine that holds ``trees`` (indices; all by default) one after another."""
+    check(model)
+    two = len(model.classes) == 2
+    value = model.leaves[:, 1].astype(np.int64) if two else np.arange(len(model.leaves))
+    memory, roots, base = [], [], 0
+    for index in range(len(model.trees)) if trees is None else trees:
+        tree = model.trees[index]
+        roots.append(base)
+        if tree.leaf is not None:
+            low = np.array([value[tree.leaf] << 16 | value[tree.leaf]])
+            kind, feature, threshold = np.array([3]), np.array([0]), np.array([0])
+        else:
+            left, right = (
+                np.where(child < 0, value[-1 - child.clip(max=-1)], 0) for child in (tree.left, tree.right)
+            )
+            kind = (tree.left < 0) + 2 * (tree.right < 0)
+            low = np.where(kind == 0, base + tree.right, left << 16 | right)
+            feature, threshold = tree.feature, tree.threshold
+        high = kind << 30 | feature << THRESHOLD_BITS | threshold & (1 << THRESHOLD_BITS) - 1
+        memory.append(high.astype(np.uint64) << np.uint64(32) | low.astype(np.uint64))
+        base += len(low)
+    leaves = model.leaves[:0] if two else model.leaves
+    return Words(np.concatenate([*memory, np.zeros(0, np.uint64)]), np.array(roots, np.int64), leaves)
+
+
+def beats(words: NDArray[np.uint64]) -> NDArray[np.uint16]:
+    """The four beats of 16 bits of each word, the low one first."""
+    return words.astype("<u8").view("<u2")

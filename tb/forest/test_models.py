@@ -1,0 +1,365 @@
+"""Trained models' files to F.json: skops with malicious files, joblib, ONNX against onnxruntime, other kinds,
+and the command."""
+
+import io
+import json
+import zipfile
+
+import joblib
+import numpy as np
+import onnxruntime
+import pytest
+import skl2onnx
+import skops.io
+from sklearn.datasets import load_wine
+from sklearn.ensemble import (
+    AdaBoostClassifier,
+    ExtraTreesClassifier,
+    GradientBoostingClassifier,
+    HistGradientBoostingClassifier,
+    RandomForestClassifier,
+    RandomForestRegressor,
+)
+from sklearn.linear_model import LogisticRegression
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.tree import DecisionTreeClassifier
+
+import meissner
+from forest.compare import ERROR, agree, sides
+from meissner import cli
+from meissner.builds.toolchain import ROOT
+
+X, Y = load_wine(return_X_y=True)
+KINDS = [
+    RandomForestClassifier(7, random_state=1),
+    ExtraTreesClassifier(7, random_state=2),
+    DecisionTreeClassifier(min_samples_leaf=9, random_state=3),
+]
+NAMES = [type(kind).__name__ for kind in KINDS]
+
+
+@pytest.mark.parametrize("model", KINDS, ids=NAMES)
+def test_files_of_scikit_learn_give_what_the_object_gives(model, tmp_path):
+    model.fit(X, Y)
+    skops.io.dump(model, tmp_path / "m.skops")
+    joblib.dump(model, tmp_path / "m.joblib")
+    for name, trust in (("m.skops", False), ("m.joblib", True)):
+        forest = meissner.Forest.from_file(tmp_path / name, trust=trust)
+        agree(forest, model, X, name)
+        forest.to_file(tmp_path / f"{name}.json")
+        agree(meissner.Forest.from_file(tmp_path / f"{name}.json"), model, X, "F.json")
+    assert (tmp_path / "m.skops.json").read_bytes() == (tmp_path / "m.joblib.json").read_bytes()
+
+
+class Bomb:
+    """Leaves a mark if it is unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return open, (str(self.path), "w")
+
+
+def test_joblib_needs_trust_and_nothing_runs_without(tmp_path):
+    joblib.dump(Bomb(tmp_path / "mark"), tmp_path / "m.joblib")
+    with pytest.raises(ValueError, match="runs code when it is loaded"):
+        meissner.Forest.from_file(tmp_path / "m.joblib")
+    assert not (tmp_path / "mark").exists()
+    with pytest.raises(ValueError, match="a TextIOWrapper is no forest"):
+        meissner.Forest.from_file(tmp_path / "m.joblib", trust=True)
+    assert (tmp_path / "mark").exists()  # so the file was one that runs code
+
+
+def changed(path, change):
+    """The skops file with ``change(schema, arrays of the first tree's state, node of that tree)`` done."""
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    schema = json.loads(members["schema.json"])
+    tree = schema["content"]["content"]["tree_"]
+    state = tree["content"]["content"]
+    arrays = {name: np.load(io.BytesIO(members[state[name]["file"]])) for name in ("nodes", "values")}
+    change(schema, arrays, tree)
+    for name, array in arrays.items():
+        data = io.BytesIO()
+        np.save(data, array)
+        members[state[name]["file"]] = data.getvalue()
+    members["schema.json"] = json.dumps(schema).encode()
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+
+
+def node(field, index, value):
+    def change(_, arrays, tree):
+        arrays["nodes"][field][index] = value
+
+    return change
+
+
+def count(schema, arrays, tree):
+    tree["content"]["content"]["node_count"]["content"] = "4000"
+
+
+def fewer(schema, arrays, tree):
+    arrays["values"] = arrays["values"][:-1]
+
+
+def wider(schema, arrays, tree):
+    arrays["values"] = np.concatenate([arrays["values"]] * 2, 2)
+
+
+def other_type(schema, arrays, tree):
+    arrays["nodes"] = arrays["nodes"].view(np.uint8)
+
+
+def outputs(schema, arrays, tree):
+    tree["__reduce__"]["args"]["content"][2]["content"] = "1000000"
+
+
+def features(schema, arrays, tree):
+    tree["__reduce__"]["args"]["content"][0] |= {"content": "40", "__id__": 4}
+
+
+def function(schema, arrays, tree):
+    schema["content"]["content"]["criterion"] = {
+        "__class__": "system",
+        "__module__": "os",
+        "__loader__": "FunctionNode",
+        "content": {"module_path": "os", "function": "system"},
+        "__id__": 5,
+    }
+
+
+def hidden(schema, arrays, tree):
+    """An earlier object with the number of the tree's nodes, which skops would take in their place."""
+    own = tree["content"]["content"]["nodes"]
+    early = {**tree["content"]["content"]["values"], "__id__": own["__id__"]}
+    schema["content"]["content"]["criterion"] = early  # stands before tree_
+
+
+def another_maker(schema, arrays, tree):
+    tree["__loader__"] = "ObjectNode"
+
+
+def no_array(schema, arrays, tree):
+    tree["content"]["content"]["nodes"]["type"] = "json"
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        (node("left_child", 2, 1), "tree 0 of the file, node 2: its left child 1 is no later node of"),
+        (node("left_child", 0, 0), "node 0: its left child 0 is no later"),
+        (node("right_child", 0, 99999), "node 0: its right child 99999 is no later"),
+        (node("right_child", 0, -7), "node 0: its right child -7"),
+        (node("left_child", 0, -1), "node 0: its right child"),  # half a leaf
+        (node("right_child", 0, 2), "it is a child of"),
+        (node("feature", 0, 13), "node 0: its feature 13 is none of 13"),
+        (node("feature", 0, -2), "node 0: its feature -2 is none of 13"),
+        (node("threshold", 0, np.nan), "node 0: its threshold is nan"),
+        (count, "is not as skops writes it"),
+        (fewer, "is not as skops writes it"),
+        (wider, "is not as skops writes it"),
+        (other_type, "is not as skops writes it"),
+        (outputs, "is not as skops writes it"),
+        (another_maker, "is not as skops writes it"),
+        (no_array, "is not as skops writes it"),
+        (features, "tree 0: it has 40 features, the model 13"),
+        (function, "os.system"),
+        (hidden, "have the number"),
+    ],
+    ids=lambda value: value.__name__ if callable(value) else "",
+)
+def test_malicious_skops_files_are_refused(tmp_path, change, says):
+    path = tmp_path / "m.skops"
+    skops.io.dump(DecisionTreeClassifier(random_state=1, min_samples_leaf=3).fit(X, Y), path)
+    meissner.Forest.from_file(path)
+    changed(path, change)
+    with pytest.raises(ValueError, match=says) as refused:
+        meissner.Forest.from_file(path)
+    assert "\n" not in str(refused.value) and str(refused.value).startswith(str(path))
+
+
+def onnx_of(path, model, **options):
+    made = skl2onnx.to_onnx(model, X[:1].astype(np.float32), **options)
+    path.write_bytes(made.SerializeToString())
+    return made
+
+
+@pytest.mark.parametrize("two", [True, False], ids=["two", "three"])
+@pytest.mark.parametrize("model", KINDS, ids=NAMES)
+def test_onnx_files_give_what_onnxruntime_gives(tmp_path, model, two):
+    """Also at the thresholds, which the file holds as float32. onnxruntime adds a float32 a tree, which
+    gives its probabilities an error of their own: half a unit in the last place of one, a tree."""
+    names = np.array(["a", "b", "c"])[Y]
+    model.fit(X, Y > 0 if two else names)
+    onnx_of(tmp_path / "m.onnx", model, options={"zipmap": False})
+    forest = meissner.Forest.from_file(tmp_path / "m.onnx")
+    session = onnxruntime.InferenceSession(tmp_path / "m.onnx")
+    trees = getattr(model, "estimators_", [model])
+    rows = sides(trees, X)[0]
+    for x in (X, rows):
+        label, theirs = session.run(None, {"X": x.astype(np.float32)})
+        ours = forest.predict_proba(x)
+        assert np.abs(ours - theirs).max() <= ERROR + len(trees) * 2.0**-24
+        best = np.sort(theirs, axis=1)[:, -2:]
+        tie = best[:, 1] - best[:, 0] <= 2 * (ERROR + len(trees) * 2.0**-24)
+        other = forest.predict(x) != label
+        print(f"{len(x)} rows, {tie.sum()} at a tie, {other.sum()} of these with another class")
+        assert not (other & ~tie).any()
+
+
+def test_onnx_files_with_labels_in_a_map_or_from_integers(tmp_path):
+    model = KINDS[0].fit(X, Y)
+    for options in ({}, {"initial_types": [("X", skl2onnx.common.data_types.Int64TensorType([None, 13]))]}):
+        given = options or {"X": X[:1].astype(np.float32)}
+        made = skl2onnx.to_onnx(model, **given)
+        (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+        x = X if not options else np.rint(X)
+        assert np.array_equal(meissner.Forest.from_file(tmp_path / "m.onnx").predict(x), model.predict(x))
+
+
+def test_nan_in_an_onnx_file_goes_where_onnxruntime_sends_it(tmp_path):
+    holes = X.copy()
+    holes[::2, ::3] = np.nan
+    model = KINDS[0].fit(holes, Y)
+    onnx_of(tmp_path / "m.onnx", model, options={"zipmap": False})
+    label, _ = onnxruntime.InferenceSession(tmp_path / "m.onnx").run(None, {"X": holes.astype(np.float32)})
+    assert np.array_equal(meissner.Forest.from_file(tmp_path / "m.onnx").predict(holes), label)
+
+
+def attribute(made, name):
+    [node] = [node for node in made.graph.node if node.op_type == "TreeEnsembleClassifier"]
+    return next(each for each in node.attribute if each.name == name)
+
+
+@pytest.mark.parametrize(
+    "name, field, index, value, says",
+    [
+        ("nodes_modes", "strings", 0, b"BRANCH_LT", "compare by BRANCH_LT, not <=: boosted"),
+        ("post_transform", "s", None, b"LOGISTIC", "boosted trees add margins"),
+        ("nodes_truenodeids", "ints", 0, 0, "tree 0, node 0: its left child 0 is no later node"),
+        ("nodes_falsenodeids", "ints", 0, 900, "tree 0, node 0: its right child 900"),
+        ("nodes_featureids", "ints", 0, 13, "its feature 13 is none of 13"),
+        ("nodes_nodeids", "ints", 1, 5, "not numbered from 0"),
+        ("nodes_treeids", "ints", 0, 5, "not numbered from 0"),
+        ("class_treeids", "ints", 2, 7, "weight 2 belongs to no leaf"),
+        ("class_nodeids", "ints", 1, -1, "weight 1 belongs to no leaf"),
+        ("class_ids", "ints", 1, 3, "weight 1 belongs to no leaf or no class"),
+        ("class_weights", "floats", 0, 0.5, "are no probabilities: boosted"),
+        ("nodes_values", "floats", 0, float("nan"), "its threshold is nan"),
+    ],
+)
+def test_onnx_files_that_are_no_forest_are_refused(tmp_path, name, field, index, value, says):
+    made = onnx_of(tmp_path / "m.onnx", KINDS[0].fit(X, Y))
+    if index is None:
+        setattr(attribute(made, name), field, value)
+    else:
+        getattr(attribute(made, name), field)[index] = value
+    (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+    with pytest.raises(ValueError, match=says):
+        meissner.Forest.from_file(tmp_path / "m.onnx")
+
+
+def test_other_models_are_refused(tmp_path):
+    two = Y > 0
+    for model, says in (
+        (
+            GradientBoostingClassifier(n_estimators=2),
+            "a GradientBoosting.* boosted trees add margins",
+        ),
+        (HistGradientBoostingClassifier(max_iter=2), "boosted trees add margins"),
+        (AdaBoostClassifier(n_estimators=2), "boosted"),
+        (RandomForestRegressor(2), "a RandomForestRegressor is no forest that votes"),
+        (LogisticRegression(), "a LogisticRegression is no forest"),
+        (make_pipeline(StandardScaler(), DecisionTreeClassifier()), "a Pipeline is no forest"),
+    ):
+        joblib.dump(model.fit(X[:, :2], two), tmp_path / "m.joblib")
+        for make in (meissner.Forest, lambda _: meissner.Forest.from_file(tmp_path / "m.joblib", trust=True)):
+            with pytest.raises(ValueError, match=says):
+                make(model)
+    for model, says in (
+        (RandomForestRegressor(2), "TreeEnsembleRegressor decides no class: boosted"),
+        (GradientBoostingClassifier(n_estimators=2), "boosted"),
+        (make_pipeline(StandardScaler(), DecisionTreeClassifier()), "it computes Scaler"),
+        (DecisionTreeClassifier(max_depth=1), None),
+    ):
+        onnx_of(tmp_path / "m.onnx", model.fit(X, two))
+        if says:
+            with pytest.raises(ValueError, match=says):
+                meissner.Forest.from_file(tmp_path / "m.onnx")
+        else:
+            assert len(meissner.Forest.from_file(tmp_path / "m.onnx").model.trees) == 1
+    for model, says in (
+        (RandomForestClassifier(), "the RandomForestClassifier is not fitted"),
+        (DecisionTreeClassifier().fit(X, np.c_[Y, Y]), "has 2 outputs"),
+        ([1, 2], "a list is no forest"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            meissner.Forest(model)
+
+
+@pytest.mark.parametrize("suffix", ["skops", "onnx", "joblib"])
+def test_files_that_are_not_whole_are_refused(tmp_path, suffix):
+    model = DecisionTreeClassifier().fit(X, Y)
+    path = tmp_path / f"m.{suffix}"
+    {"skops": skops.io.dump, "onnx": lambda m, p: onnx_of(p, m), "joblib": joblib.dump}[suffix](model, path)
+    whole = path.read_bytes()
+    for size in (0, 1, len(whole) // 3, len(whole) // 2, len(whole) - 1):
+        path.write_bytes(whole[:size])
+        with pytest.raises(ValueError) as refused:
+            meissner.Forest.from_file(path, trust=True)
+        assert str(refused.value).startswith(str(path)) and "\n" not in str(refused.value), size
+
+
+def test_the_ten_lines_of_the_page_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "docs/forest.md").read_text("utf-8").partition("```python\n")[2].partition("```")[0]
+    exec(compile(text, "forest.md", "exec"), {})
+    assert capsys.readouterr().out == "True\n" and meissner.Forest.from_file("wine.json")
+
+
+def run(capsys, *arguments):
+    try:
+        code = cli.main([*map(str, arguments)]) or 0
+    except SystemExit as end:
+        code = end.code
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def test_the_command_writes_a_forest_and_keeps_files(tmp_path, capsys):
+    x = np.rint(X).astype(int)
+    model = RandomForestClassifier(3, random_state=1).fit(x, Y)
+    skops.io.dump(model, tmp_path / "m.skops")
+    given = ("export-forest", tmp_path / "m.skops", "--out", tmp_path / "F.json")
+    code, out, _ = run(capsys, *given, "--integer", "x0,x12")
+    nodes = sum((tree.tree_.children_left >= 0).sum() for tree in model.estimators_)
+    assert code == 0 and f"RandomForestClassifier: 3 trees, {nodes} nodes, 3 classes, 13 features" in out
+    forest = meissner.Forest.from_file(tmp_path / "F.json")
+    integers = [each.name for each in forest.model.features if each.thresholds is None]
+    assert integers == ["x0", "x12"] and np.array_equal(forest.predict(x), model.predict(x))
+    before = (tmp_path / "F.json").read_bytes()
+    code, _, err = run(capsys, *given)
+    assert code == 2 and "F.json exists" in err and (tmp_path / "F.json").read_bytes() == before
+    assert run(capsys, *given, "--overwrite", "--integer", "all")[0] == 0
+    assert (tmp_path / "F.json").read_bytes() != before
+    for more, says in (
+        (("--overwrite", "--integer", "x13"), "no feature 'x13'"),
+        (("--out", tmp_path / "m.skops", "--overwrite"), "is an input of this command"),
+        (("--out", tmp_path / "no" / "F.json"), "there is no folder"),
+    ):
+        code, _, err = run(capsys, *given, *more)
+        assert code == 2 and says in err and err.count("\n") == 1
+    joblib.dump(model, tmp_path / "m.pkl")
+    (tmp_path / "m.txt").touch()
+    for name, says in (
+        ("m.pkl", "--trust"),
+        ("m.txt", "must be a .skops, .onnx or .joblib"),
+        ("no.onnx", "no file"),
+    ):
+        code, _, err = run(capsys, "export-forest", tmp_path / name, "--out", tmp_path / "G.json")
+        assert code == 2 and says in err and not (tmp_path / "G.json").exists()
+    assert run(capsys, "export-forest", tmp_path / "m.pkl", "--trust", "--out", tmp_path / "G.json")[0] == 0

@@ -1,0 +1,70 @@
+"""The word of a node, against literals put together by hand from docs/forest.md."""
+
+import numpy as np
+import pytest
+
+from meissner.forest import file, words
+
+# x0 <= -3 ? (x1 <= 5 ? leaf 0 : leaf 1) : (x0 <= 2^21 - 2 ? (x1 <= 0 ? leaf 1 : leaf 2) : leaf 2)
+LISTS = dict(feature=[0, 1, 0, 1], threshold=[-3, 5, 2097150, 0], left=[1, -1, 3, -2], right=[2, -2, -3, -3])
+# leaf 0 <- x1 <= -2^21 -> (x0 <= 1 ? leaf 2 : leaf 0)
+OTHER = dict(feature=[1, 0], threshold=[-2097152, 1], left=[-1, -3], right=[1, -1])
+ALONE = dict(feature=[], threshold=[], left=[], right=[], leaf=1)
+
+
+def model(leaves, classes, trees=(LISTS, OTHER, ALONE)):
+    features = [{"name": name, "kind": "integer"} for name in ("a", "b")]
+    return file.check(
+        {"format": "meissner-forest", "version": 1, "source": "by hand", "classes": classes}
+        | {"features": features, "leaves": leaves, "trees": list(trees)}
+    )
+
+
+def test_two_classes_have_their_votes_in_the_word():
+    """Leaves 0, 1, 2 vote 65535, 0xABCD = 43981 and 0x0102 = 258 for class 1."""
+    found = words.pack(model([[0, 65535], [21554, 43981], [65277, 258]], ["no", "yes"]))
+    assert [hex(word) for word in found.nodes] == [
+        "0x3ffffd00000002",  # kind 0, feature 0, -3 in 22 bits; its right child is at 2
+        "0xc0400005ffffabcd",  # kind 3, feature 1, 5
+        "0x801ffffe00000102",  # kind 2, feature 0, 2097150; right leaf 258
+        "0xc0400000abcd0102",  # kind 3, feature 1, 0
+        "0x40600000ffff0000",  # kind 1, feature 1, -2097152; left leaf 65535
+        "0xc00000010102ffff",  # kind 3, feature 0, 1
+        "0xc0000000abcdabcd",  # one leaf
+    ]
+    assert found.roots.tolist() == [0, 4, 6] and found.leaves.size == 0
+    assert words.beats(found.nodes[:1]).tolist() == [0x0002, 0x0000, 0xFFFD, 0x003F]
+
+
+def test_more_classes_have_rows_of_the_table_and_trees_any_order():
+    leaves = [[1, 2, 65532], [7, 65500, 28], [65535, 0, 0]]
+    found = words.pack(model(leaves, [4, 5, 6]), trees=[1, 0])
+    assert [hex(word) for word in found.nodes[:3]] == [
+        "0x4060000000000000",  # kind 1: left leaf 0
+        "0xc000000100020000",  # kind 3: leaves 2 and 0
+        "0x3ffffd00000004",  # the root of the other tree, at 2: its right child is at 4
+    ]
+    assert found.roots.tolist() == [0, 2] and found.leaves.tolist() == leaves
+
+
+@pytest.mark.parametrize("threshold", [-2097153, 2097151])
+def test_a_threshold_that_saturation_would_change_is_refused(threshold):
+    lists = OTHER | {"threshold": [threshold, 1]}
+    with pytest.raises(ValueError, match="tree 0: a threshold"):
+        words.pack(model([[0, 65535]] * 3, [0, 1], [lists]))
+
+
+def test_what_the_word_cannot_number_is_refused():
+    with pytest.raises(ValueError, match="65537 distinct leaves"):
+        words.pack(model([[1, 2, 65532]] * 65537, [0, 1, 2]))
+    words.pack(model([[1, 2, 65532]] * 65536, [0, 1, 2]))
+    whole = file.document(model([[0, 65535]] * 3, [0, 1]))
+    for count in (256, 257):
+        whole["features"] = [{"name": "a", "kind": "integer"}] * count
+        lists = OTHER | {"threshold": [0, 1], "feature": [count - 1, 0]}
+        given = file.check(whole | {"trees": [lists]})
+        if count == 256:
+            assert words.pack(given).nodes[0] >> np.uint64(54) & np.uint64(255) == 255
+        else:
+            with pytest.raises(ValueError, match="257 features"):
+                words.pack(given)
