@@ -989,6 +989,10 @@ def test_adc_spi(parameters):
     skipped = ["triggers_"]
     skipped += [] if PARTS[parameters["Part"]].has_busy else ["busy_"]
     skipped += [] if parameters.get("ReadDuring") else ["reading_"]
+    # These two choose their moments by an AD7606's read, which lasts longer than its conversion's first half.
+    skipped += (
+        ["goes_on_", "reading_stops_"] if parameters.get("ReadDuring") and parameters["Part"] != 2 else []
+    )
     skipped += [] if PARTS[parameters["Part"]].tagged else ["tag_"]
     bench.run("frontend", "adc_spi", parameters, test_filter=rf"^(?!.*({'|'.join(skipped)}))")
 
