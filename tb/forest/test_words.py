@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from sklearn.datasets import load_wine
+from sklearn.ensemble import RandomForestClassifier
 
+import meissner
 from meissner.forest import file, words
 
 # x0 <= -3 ? (x1 <= 5 ? leaf 0 : leaf 1) : (x0 <= 2^21 - 2 ? (x1 <= 0 ? leaf 1 : leaf 2) : leaf 2)
@@ -68,3 +71,40 @@ def test_what_the_word_cannot_number_is_refused():
         else:
             with pytest.raises(ValueError, match="257 features"):
                 words.pack(given)
+
+
+def votes(found, q, classes):
+    """Votes for one row of columns: a walk through the memory as the table of docs/forest.md says."""
+    total = np.zeros(classes, np.int64)
+    for at in found.roots.tolist():
+        leaf = None
+        while leaf is None:
+            word = int(found.nodes[at])
+            kind, low = word >> 62, word & 0xFFFFFFFF
+            threshold = (word >> 32 & 0x3FFFFF ^ 0x200000) - 0x200000
+            left = q[word >> 54 & 255] <= threshold
+            if (kind in (1, 3)) if left else (kind in (2, 3)):
+                leaf = low >> 16 if left else low & 0xFFFF
+            else:
+                at = low if kind == 0 and not left else at + 1
+        total += [65535 - leaf, leaf] if classes == 2 else found.leaves[leaf]
+    return total.tolist()
+
+
+@pytest.mark.parametrize("classes", [2, 3])
+@pytest.mark.parametrize("integer", [(), True], ids=["ranks", "integers"])
+def test_a_walk_through_the_memory_gives_scikit_learns_votes(classes, integer):
+    """Also where values are missing, which go to both sides in the nodes of one feature."""
+    x, y = load_wine(return_X_y=True)
+    x, y = np.rint(x) if integer else x, np.minimum(y, classes - 1)
+    holes = np.where(np.random.default_rng(1).random(x.shape) < 0.2, np.nan, x)
+    model = RandomForestClassifier(5, random_state=1, max_leaf_nodes=12).fit(holes, y)
+    forest = meissner.Forest(model, integer=integer)
+    inside, inputs = words.without_missing(forest.model)
+    assert len(set(inputs.source.tolist())) < len(inputs.source)
+    found, columns = words.pack(inside), inputs.of(*forest.quantise(holes))
+    walked = [votes(found, row, classes) for row in columns.tolist()]
+    assert np.abs(np.array(walked) / (5 * 65535) - model.predict_proba(holes)).max() < 7.7e-6
+    assert walked == forest.process(holes).votes.tolist()
+    whole = [votes(words.pack(forest.model), row, classes) for row in forest.quantise(x)[0].tolist()]
+    assert whole == forest.process(x).votes.tolist()

@@ -8,6 +8,7 @@
 A leaf is the votes for class 1 if there are two classes, else a row of the table of leaves.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +29,18 @@ class Words(NamedTuple):
     leaves: NDArray[np.uint16]
 
 
+class Inputs(NamedTuple):
+    """What the engines get in each column: feature ``source``, or ``missing`` if its value is missing."""
+
+    source: NDArray[np.int64]
+    missing: NDArray[np.int64]
+
+    def of(self, q, missing):
+        """The columns [rows, columns] of what Forest.quantise returns."""
+        columns = q[:, self.source]
+        return columns if missing is None else np.where(missing[:, self.source], self.missing, columns)
+
+
 def fits(thresholds) -> bool:
     """Whether the thresholds, and values that saturate, keep their order in the word's bits."""
     return bool(((thresholds >= -THRESHOLD_LIMIT) & (thresholds <= THRESHOLD_LIMIT - 2)).all())
@@ -43,6 +56,26 @@ def check(model: Model) -> None:
         if not fits(tree.threshold):
             bits = f"{THRESHOLD_BITS} bits"
             raise ValueError(f"tree {index}: a threshold does not fit {bits}; export that feature as a float")
+
+
+def without_missing(model: Model) -> tuple[Model, Inputs]:
+    """The same decisions without missing_left, which a word has no bit for. A column per feature and side on
+    which its missing values go: in one they are below every threshold, in the other above."""
+    if model.trees[0].missing_left is None:
+        every = np.arange(len(model.features))
+        return model, Inputs(every, every * 0)
+    keys = [2 * tree.feature + tree.missing_left for tree in model.trees]
+    columns = np.unique(np.concatenate(keys)) if model.nodes else np.zeros(1, np.int64)
+    ranked = [model.features[key // 2].thresholds for key in columns]
+    low = np.array([-THRESHOLD_LIMIT if each is None else 0 for each in ranked], np.int64)
+    high = np.array([THRESHOLD_LIMIT - 1 if each is None else len(each) + 1 for each in ranked], np.int64)
+    trees = [
+        replace(tree, feature=np.searchsorted(columns, key), missing_left=None)
+        for tree, key in zip(model.trees, keys)
+    ]
+    features = [model.features[key // 2] for key in columns]
+    missing = np.where(columns % 2 == 1, low, high)
+    return replace(model, features=features, trees=trees), Inputs(columns // 2, missing)
 
 
 def pack(model: Model, trees=None) -> Words:
