@@ -319,6 +319,7 @@ LOOKS = {  # scene, condition, seconds, seeds, changes: what differs in each
     "decays": ("grip_release", 2, 2.0, [1], {}),
     "three runs, each with its own slips": ("grip_release", 2, 1.3, [1, 2, 3], {}),
     "10 ms a cycle": ("grip_release", 0, 3.0, [1, 4], {}),
+    "a converter whose filter remembers": ("grip_release", 2, 1.0, [1], {"adc_part": "AD7606"}),
     "tugs": ("grip_disturb", 3, 0.9, [1, 2], {}),
     "mass that changes": ("grip_pour", 3, 0.8, [1], {"first_event": 0.5}),
     "friction halves: a slide, gross slips and the floor that falls": (
@@ -337,6 +338,8 @@ LOOKS = {  # scene, condition, seconds, seeds, changes: what differs in each
 def test_cycles_that_are_computed_ahead_are_those_one_by_one(name, number, seconds, seeds, changes):
     """Bit for bit, in every result and in every cycle of the trace."""
     scene = scenes.load(name)
+    changes = dict(changes)
+    scene = replace(scene, adc_part=changes.pop("adc_part", scene.adc_part))
     condition = structs.replace(scene.conditions[number], duration_s=seconds, **changes)
     world = scene.world | {"hold_from_s": seconds / 2, "pour_start_s": 0.1}
     world |= {"tugs": [(0.1, 0.2, 0.6), (0.5, 0.1, 0.8)]} if world["tugs"] else {}

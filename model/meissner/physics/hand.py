@@ -218,7 +218,7 @@ class Hand:
         tension = load_n[:, None, :] / 2 + apart[:, :, None]
         over = (tension > self.mu_s[:, :, None] * force_n[:, None, :]).any(axis=1) | self.sliding[:, None]
         over &= ~self.dropped[:, None]
-        loose = np.asarray(over[:, : self.block].any(axis=1))
+        loose: Bools = np.asarray(over[:, : self.block].any(axis=1))
         blocks = max(1, int(over.any(axis=0).argmax()) // self.block) if over.any() else blocks
         samples = blocks * self.block
         force_n, load_n, tension = force_n[:, :samples], load_n[:, :samples], tension[:, :, :samples]
