@@ -21,6 +21,7 @@ module msn_core #(
   parameter  int unsigned ClkKhz           = 25_000,
   parameter  int unsigned SclkKhz          = msn_adc_pkg::sclk_default_khz(Adc),
   parameter  int unsigned AdcPeriod        = 0,                 // clocks, built in: msn_acquire
+  parameter  bit          ReadDuring       = 1'b0,              // read frames while the next is converted
   parameter  bit          Array            = 1'b0,
   parameter  int unsigned Rows             = 1,
   parameter  int unsigned Columns          = 1,
@@ -190,8 +191,9 @@ module msn_core #(
   if (Array) begin : gen_array
     msn_sensor_array #(
       .Adc(Adc), .Converters(Converters), .AdcLanes(AdcLanes), .AdcChannels(AdcChannels), .ClkKhz(ClkKhz),
-      .SclkKhz(SclkKhz), .Rows(Rows), .Columns(Columns), .Demod(Demod), .Health(Health), .Tare(Tare),
-      .RowColumn(RowColumn), .Tap(Slip || Image), .GainShift(GainShift), .TareLog2(TareLog2),
+      .SclkKhz(SclkKhz), .ReadDuring(ReadDuring), .Rows(Rows), .Columns(Columns), .Demod(Demod),
+      .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Tap(Slip || Image), .GainShift(GainShift),
+      .TareLog2(TareLog2),
       .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Form(Form),
       .SamplesPerPeriod(SamplesPerPeriod), .SamplePeriod(SamplePeriod), .Periods(Periods), .Skip(Skip),
       .Shift(Shift)
@@ -209,7 +211,7 @@ module msn_core #(
   end else if (Cop4) begin : gen_cop4
     msn_sensor_cop4 #(
       .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .AdcPeriod(AdcPeriod),
-      .Correct(Correct), .BitsPerClock(BitsPerClock), .CopSlip(CopSlip), .Lag(Lag)
+      .ReadDuring(ReadDuring), .Correct(Correct), .BitsPerClock(BitsPerClock), .CopSlip(CopSlip), .Lag(Lag)
     ) u_sensor (
       .clk_i, .rst_i, .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending),
       .commit_o(commit), .adc_cs_n_o(adc_cs_n_o[0]), .adc_sclk_o(adc_sclk_o[0]), .adc_mosi_o(adc_mosi_o[0]),
@@ -225,7 +227,8 @@ module msn_core #(
     logic unused_first;
     msn_sensor_channels #(
       .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .AdcPeriod(AdcPeriod),
-      .Channels(Channels), .SampleBits(SampleBits), .Gate(!SlipOnly)
+      .Channels(Channels), .SampleBits(SampleBits), .Gate(!SlipOnly),
+      .ReadDuring(ReadDuring)
     ) u_sensor (
       .clk_i, .rst_i, .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending),
       .commit_o(commit), .busy_i(slip_busy), .adc_cs_n_o(adc_cs_n_o[0]), .adc_sclk_o(adc_sclk_o[0]),

@@ -9,6 +9,7 @@ import pytest
 os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.toolchain reads it
 # Each worker is a process: extra BLAS threads for small matrices wait for each other and double the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
+os.environ.setdefault("MEISSNER_JOBS", "1")  # the workers of pytest use all cores
 
 from harness import applicable, drawing, shared_builds
 

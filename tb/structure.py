@@ -15,6 +15,7 @@ LAYERS = [
         "interval",
         "tables",
         "files",
+        "pool",
         "builds.cached_files",
         "builds.objcache",
         "builds.toolchain",

@@ -58,9 +58,13 @@ def run(arguments):
     import json
     from pathlib import Path
 
+    from meissner import pool
+
+    os.environ.update(pool.ONE_THREAD | dict(os.environ))  # before NumPy reads it: as in the other processes
     from meissner import run, scenes
 
-    scene = scenes.load(arguments.scene)
+    jobs = pool.number(arguments.jobs)
+    scene = run.with_runs(scenes.load(arguments.scene), arguments.runs)
     run.check(scene, arguments.engine, arguments.waves)
     if arguments.seed < 0:
         raise ValueError(f"seed = {arguments.seed} must not be negative")
@@ -72,7 +76,7 @@ def run(arguments):
         raise ValueError(f"the folder {there} cannot be written to")
     given = scene, arguments.engine, out, arguments.seed, arguments.waves
     try:
-        summary = run.run(*given, _progress(f"running {scene.name}"))
+        summary = run.run(*given, _progress(f"running {scene.name}"), jobs)
     except OSError as problem:  # a failed write does not name its file
         problem.filename = problem.filename or f"the results in {out}"
         raise

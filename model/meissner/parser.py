@@ -23,6 +23,10 @@ def _out(parser, metavar, what, required=False, holds=""):
     parser.set_defaults(holds=holds)
 
 
+def _jobs(parser):
+    parser.add_argument("--jobs", type=int, metavar="N", help="processor cores to use (all of them)")
+
+
 def parser():
     """The parser of every command."""
     top = _Parser(prog="meissner", description="Slip, pressure and grip from a tactile sensor's ADC pins.")
@@ -51,6 +55,8 @@ def _run(commands):
     run.add_argument(
         "--seed", type=int, default=1, help="first seed; the scene determines how many follow (1)"
     )
+    run.add_argument("--runs", type=int, metavar="N", help="seeds of each condition (the scene's number)")
+    _jobs(run)
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
     run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
     run.set_defaults(call="meissner.cli:run")
@@ -74,6 +80,7 @@ def _process(commands):
     slip.add_argument("--hop", type=int, help="samples, even, 2 to window (default: the window)")
     slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
     slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    _jobs(slip)
     _out(slip, "OUT.npz", "output file, .npz or .csv", required=True)
     slip.set_defaults(call="meissner.process:slip")
 
@@ -82,6 +89,7 @@ def _process(commands):
     cop.add_argument("--min-load", type=int, default=1, help="minimum sum of forces for a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="a file that `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    _jobs(cop)
     _out(cop, "OUT.npz", "output file, .npz or .csv", required=True)
     cop.set_defaults(call="meissner.process:cop")
 
@@ -91,6 +99,7 @@ def _process(commands):
         "--config", required=True, metavar="C.toml", help="docs/cop4.md, or a build's (docs/config.md)"
     )
     cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    _jobs(cop4)
     _out(cop4, "OUT.npz", "output file, .npz or .csv", required=True)
     cop4.set_defaults(call="meissner.process:cop4")
 
@@ -183,6 +192,12 @@ def _budget(commands):
     )
     array.add_argument(
         "--sclk-khz", type=int, metavar="KHZ", help="maximum serial clock (default: the part's usual one)"
+    )
+    array.add_argument(
+        "--read",
+        choices=("after", "during"),
+        default="after",
+        help="read a conversion after it, or during the next one (after)",
     )
     array.add_argument(
         "--settle-us",

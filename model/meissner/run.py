@@ -3,12 +3,15 @@
 import json
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 
+from meissner import pool
 from meissner.scenes import results
 from meissner.scenes.sensor import runner, sensor
 
 ROOM = 0.8  # share of the free memory that a scene may need
+MOST_RUNS = 100_000
 
 
 def free_bytes():
@@ -23,7 +26,8 @@ def free_bytes():
 
 
 def check(scene, engine, waves=False):
-    """ValueError with one sentence if this engine or this machine cannot run the scene.
+    """The number of tasks that fit in the memory together; ValueError with one sentence if this engine or
+    this machine cannot run the scene.
 
     The memory is judged by the shapes of the scene's largest arrays.
     """
@@ -38,20 +42,33 @@ def check(scene, engine, waves=False):
             f"scene {scene.name}: {what} need about {needs / 1e9:.3g} GB, but this machine has "
             f"{free / 1e9:.1f} GB free: reduce them, or use a larger machine"
         )
+    return pool.MOST if free is None else max(1, int(ROOM * free / max(needs, 1)))
 
 
-def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
+def with_runs(scene, runs):
+    """The scene with ``runs`` seeds of each condition; None: with its own number."""
+    if runs is None:
+        return scene
+    if not hasattr(scene, "seeds"):
+        raise ValueError(f"runs = {runs}: scene {scene.name} runs once, without seeds to repeat")
+    if not 1 <= runs <= MOST_RUNS:
+        raise ValueError(f"runs = {runs} must lie in 1 .. {MOST_RUNS}")
+    return replace(scene, seeds=runs)
+
+
+def run(scene, engine, out, seed=1, waves=False, progress=iter, jobs=1):
     """Run a scene; write results to ``out``; return the summary.
 
+    Its conditions and seeds spread over ``jobs`` processes, whose number changes nothing in the results.
     The results replace those of an earlier run only when all are written, so no old picture remains.
     """
-    check(scene, engine, waves)
+    spread = pool.Spread(progress, min(jobs, check(scene, engine, waves)))
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out, prefix=".run-") as folder:
         began, folder = time.perf_counter(), Path(folder)
         recorded = folder / "waves.vcd" if waves else None
-        result = runner(scene.sensor).run(scene, engine, seed, recorded, progress)
+        result = runner(scene.sensor).run(scene, engine, seed, recorded, spread)
         summary = results.write(scene, result, folder, began)
         for name in _earlier(out):
             (out / name).unlink(missing_ok=True)

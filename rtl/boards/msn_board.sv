@@ -66,10 +66,12 @@ module msn_board (
     .out_valid_o(), .out_ready_i(1'b1), .out_data_o(), .out_last_o()
   );
 
-  assign adc_cs_n_o   = cs_n[0];
-  assign adc_sclk_o   = sclk[0];
-  assign adc_mosi_o   = mosi[0];
-  assign adc_convst_o = convst[0];
+  // A converter that does not answer is not read with the others: its own lines rest, and must not hold the shared ones.
+  // The others move their lines in the same clock and the same direction, so AND and OR do not glitch.
+  assign adc_cs_n_o   = &cs_n;
+  assign adc_sclk_o   = msn_adc_pkg::idles_high(`MSN_ADC) ? &sclk : |sclk;
+  assign adc_mosi_o   = (Converters > 1) ? |(mosi & ~cs_n) : mosi[0];
+  assign adc_convst_o = |convst;
   assign adc_reset_o  = reset[0];
 
   if (Rows <= 8) begin : gen_lines

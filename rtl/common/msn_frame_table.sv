@@ -86,7 +86,8 @@ module msn_frame_table #(
   for (genvar p = 0; p < Parts; p++) begin : gen_part
     msn_ram #(.Words(Words * Banks), .Width(PartBits)) u_words (
       .clk_i,
-      .write_i(write_i[p]), .write_address_i(write_address), .write_data_i(write_data_i[p*PartBits+:PartBits]),
+      .write_i(write_i[p]), .write_address_i(write_address),
+      .write_data_i(write_data_i[p*PartBits+:PartBits]),
       .read_i(advance_i), .read_address_i(address), .out_data_o(out_data_o[p*PartBits+:PartBits])
     );
   end

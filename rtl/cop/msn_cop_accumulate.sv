@@ -138,7 +138,8 @@ module msn_cop_accumulate #(
     logic [TotalBits-1:0] halves;
     logic [OddBits-1:0]   product;
     assign halves = total[2] + total[3];
-    msn_constant_multiplier #(.Constant(Odd), .InBits(TotalBits)) u_odd (.in_data_i(halves), .out_data_o(product));
+    msn_constant_multiplier #(.Constant(Odd), .InBits(TotalBits))
+      u_odd (.in_data_i(halves), .out_data_o(product));
     always_ff @(posedge clk_i) if (step) odd_total <= product;
   end else begin : gen_even
     assign odd_total = total[1];

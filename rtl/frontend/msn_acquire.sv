@@ -20,6 +20,7 @@ module msn_acquire #(
   parameter  int unsigned AdcPeriod  = 0,
   parameter  int unsigned Channels   = 1,
   parameter  int unsigned SampleBits = 17,
+  parameter  bit          ReadDuring = 1'b0,  // msn_adc_spi: a frame is read while the next one is converted
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
 ) (
   input  logic                         clk_i,
@@ -36,6 +37,7 @@ module msn_acquire #(
   input  logic                         adc_busy_i,
   output logic                         adc_reset_o,
   output logic                         convert_o,
+  output logic                         read_o,        // ReadDuring: a frame's transfer begins
 
   input  logic                         in_valid_i,
   output logic                         in_ready_o,
@@ -56,6 +58,10 @@ module msn_acquire #(
   output logic        [31:0]           over_range_o   // samples at an end of the converter's range
 );
 
+  if (ReadDuring && !msn_adc_pkg::has_busy(Adc)) begin : gen_check_read_during
+    $fatal(1, "msn_acquire: ReadDuring = 1 must go with a converter that has BUSY");
+  end
+
   if (Adc == msn_pkg::AdcNone) begin : gen_stream
     assign out_valid_o = in_valid_i;
     assign in_ready_o  = out_ready_i;
@@ -63,7 +69,7 @@ module msn_acquire #(
     assign out_id_o    = in_id_i;
     assign out_last_o  = in_last_i;
 
-    assign {adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o} = 6'b100001;
+    assign {adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o, read_o} = 7'b1000010;
     assign {dropped_o, overrun_o, timeout_o, mistagged_o, over_range_o}               = '0;
     logic unused_pins;
     assign unused_pins = ^{clk_i, rst_i, cfg_enable_i, cfg_period_i, adc_miso_i, adc_busy_i};
@@ -86,22 +92,23 @@ module msn_acquire #(
     assign out_id_o   = '0;
     assign out_last_o = 1'b1;
     assign in_ready_o = 1'b0;
-    assign {adc_convst_o, adc_reset_o, overrun_o, timeout_o, mistagged_o} = '0;
+    assign {adc_convst_o, adc_reset_o, read_o, overrun_o, timeout_o, mistagged_o} = '0;
     logic unused_inputs;
     assign unused_inputs = ^{cfg_period_i, adc_busy_i, in_valid_i, in_data_i, in_id_i, in_last_i};
 
   end else begin : gen_adc
     logic unused_lost, unused_ready;  // lost frames are counted; the converter waits for its own ready
     logic unused_user;  // over-range samples are only counted here
+    logic unused_busy;  // no other converter shares its lines
     msn_adc_spi #(
       .Part(Adc), .Channels(Channels), .Lanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz),
-      .SampleBits(SampleBits), .PeriodBits(PeriodBits)
+      .SampleBits(SampleBits), .PeriodBits(PeriodBits), .ReadDuring(ReadDuring)
     ) u_adc_spi (
       .clk_i, .rst_i,
       .cfg_enable_i, .cfg_period_i,
       .trigger_i(1'b0),
       .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
-      .ready_o(unused_ready), .convert_o, .lost_o(unused_lost),
+      .busy_o(unused_busy), .wait_i(1'b0), .ready_o(unused_ready), .convert_o, .read_o, .lost_o(unused_lost),
       .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o(unused_user),
       .dropped_o, .overrun_o, .timeout_o, .mistagged_o, .over_range_o
     );

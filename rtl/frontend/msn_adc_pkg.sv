@@ -151,7 +151,7 @@ package msn_adc_pkg;
   function automatic int unsigned sclk_max_khz(int unsigned part);
     case (part)
       msn_pkg::AdcMcp3208: sclk_max_khz = 2_000;
-      msn_pkg::AdcAd7606:  sclk_max_khz = 14_500;
+      msn_pkg::AdcAd7606:  sclk_max_khz = 17_000;
       msn_pkg::AdcAd7606c: sclk_max_khz = 60_000;
       msn_pkg::AdcMax11131: sclk_max_khz = 48_000;
       default:             sclk_max_khz = 16_000;
@@ -168,7 +168,7 @@ package msn_adc_pkg;
     endcase
   endfunction
 
-  // Valid for the entire supply range: the MCP3208 reaches its 2 MHz only at 5 V.
+  // Valid for the entire supply range: the MCP3208 reaches its 2 MHz only at 5 V, the AD7606 its 17 MHz at 3.3 V.
   function automatic int unsigned sclk_default_khz(int unsigned part);
     case (part)
       msn_pkg::AdcMcp3208: sclk_default_khz = 1_000;
@@ -198,6 +198,23 @@ package msn_adc_pkg;
     endcase
   endfunction
 
+  // The same, at least: converters that start together end up to the difference apart.
+  function automatic int unsigned conversion_min_ns(int unsigned part);
+    case (part)
+      msn_pkg::AdcAd7606:  conversion_min_ns = 3_450;
+      msn_pkg::AdcAd7606c: conversion_min_ns = 500;
+      default:             conversion_min_ns = 0;
+    endcase
+  endfunction
+
+  // From the end of a read to the next fall of BUSY, at least.
+  function automatic int unsigned read_end_ns(int unsigned part);
+    case (part)
+      msn_pkg::AdcAd7606, msn_pkg::AdcAd7606c: read_end_ns = 25;
+      default:             read_end_ns = 0;
+    endcase
+  endfunction
+
   // From convert start to convert start, at least.
   function automatic int unsigned cycle_min_ns(int unsigned part);
     case (part)
@@ -208,8 +225,10 @@ package msn_adc_pkg;
   endfunction
 
   // Width of the watchdog: twice the longest conversion, rounded up to a power of two to save a comparator.
-  function automatic int unsigned watch_bits(int unsigned part, int unsigned clk_khz);
-    watch_bits = msn_pkg::index_width(msn_pkg::clocks_of_ns(2 * conversion_max_ns(part), clk_khz));
+  // read_during: it ends 3 clocks after the longest conversion.
+  function automatic int unsigned watch_bits(int unsigned part, int unsigned clk_khz, bit read_during);
+    watch_bits = msn_pkg::index_width(read_during ? busy_clocks(part, clk_khz) + 4 :
+                                      msn_pkg::clocks_of_ns(2 * conversion_max_ns(part), clk_khz));
   endfunction
 
   // Clocks in half an SCLK period: SCLK does not exceed sclk_khz, and DOUT, sampled one clock before the bit's
@@ -237,6 +256,37 @@ package msn_adc_pkg;
     read_clocks = cs_per_channel(part) ? words * cs_clocks(part, half, 1) : cs_clocks(part, half, words);
   endfunction
 
+  // The clocks after convert start in which BUSY may fall: the last one, and the first one at whose end it may be low.
+  function automatic int unsigned busy_clocks(int unsigned part, int unsigned clk_khz);
+    busy_clocks = conversion_max_ns(part) * clk_khz / 1_000_000;
+  endfunction
+
+  function automatic int unsigned busy_least(int unsigned part, int unsigned clk_khz);
+    busy_least = msn_pkg::clocks_of_ns(conversion_min_ns(part), clk_khz) - 1;
+  endfunction
+
+  // A frame read while the next one is converted: clocks from the start of its transfer in which no tick starts a
+  // conversion, whose BUSY could fall less than read_end_ns after the transfer, or before the shifter rests.
+  function automatic int unsigned guard_clocks(int unsigned part, int unsigned clk_khz, int unsigned half,
+                                               int unsigned words);
+    int unsigned ends;
+    int unsigned least;
+    int unsigned done;
+    ends         = read_clocks(part, half, words) - 2 * half;
+    least        = (conversion_min_ns(part) - read_end_ns(part)) * clk_khz / 1_000_000;
+    guard_clocks = (ends > least) ? ends - least : 1;
+    done         = read_clocks(part, half, words);
+    least        = busy_least(part, clk_khz) + 2;
+    if (done > least && done - least > guard_clocks) guard_clocks = done - least;
+  endfunction
+
+  // The same: clocks after a trigger from which on samples and losses are of its conversion. A loss is known after the
+  // watchdog, a sample after the first word of the shortest conversion.
+  function automatic int unsigned overlap_clocks(int unsigned part, int unsigned clk_khz, int unsigned half);
+    overlap_clocks = busy_least(part, clk_khz) + 3 + 2 * half * word_bits(part);
+    if (overlap_clocks > busy_clocks(part, clk_khz) + 4) overlap_clocks = busy_clocks(part, clk_khz) + 4;
+  endfunction
+
   // Clocks from convert start until no channel samples its input any more: the inputs may change then.
   function automatic int unsigned hold_clocks(int unsigned part, int unsigned channels, int unsigned clk_khz,
                                               int unsigned half);
@@ -249,23 +299,37 @@ package msn_adc_pkg;
 
   // Clocks from convert start to convert start: enough for every frame to end and its samples to leave to a consumer
   // that is always ready, and for as many substitutes of a lost frame's samples, which take 4 clocks more.
+  // read_during: the transfer may go on while the next conversion runs.
   function automatic int unsigned cycle_clocks(int unsigned part, int unsigned channels, int unsigned lanes,
-                                               int unsigned clk_khz, int unsigned half);
+                                               int unsigned clk_khz, int unsigned half, bit read_during);
     int unsigned words;
     int unsigned busy;
     int unsigned other;
+    int unsigned extra;  // clocks in which samples that came together leave after the last word
     words = frame_words(part, channels, lanes);
-    if (has_busy(part)) begin
-      busy         = conversion_max_ns(part) * clk_khz / 1_000_000 + 1;
-      cycle_clocks = busy + 3 + read_clocks(part, half, words);
-      other        = cycle_clocks - 2 * half + ((lanes > 1) ? channels - words : 0);
-      if (other > cycle_clocks) cycle_clocks = other;
-      other        = msn_pkg::clocks_of_ns(cycle_min_ns(part), clk_khz);
-      if (other > cycle_clocks) cycle_clocks = other;
-      other        = (1 << watch_bits(part, clk_khz)) + channels + 4;
-      if (other > cycle_clocks) cycle_clocks = other;
-    end else begin
+    extra = (lanes > 1) ? channels - words : 0;
+    busy  = busy_clocks(part, clk_khz);
+    if (!has_busy(part)) begin
       cycle_clocks = read_clocks(part, half, words) + (has_tag(part) ? channels + 4 : 1);
+    end else begin
+      cycle_clocks = msn_pkg::clocks_of_ns(cycle_min_ns(part), clk_khz);
+      if (read_during) begin
+        other = busy + 3 + guard_clocks(part, clk_khz, half, words);
+        if (other > cycle_clocks) cycle_clocks = other;
+        other = busy - busy_least(part, clk_khz) + read_clocks(part, half, words) - 2 * half + extra + 1;
+        if (other > cycle_clocks) cycle_clocks = other;
+        other = busy + 5;
+        if (other > cycle_clocks) cycle_clocks = other;
+        other = busy + read_clocks(part, half, words) + channels + 7 - overlap_clocks(part, clk_khz, half);
+        if (other > cycle_clocks) cycle_clocks = other;
+      end else begin
+        other = busy + 4 + read_clocks(part, half, words);
+        if (other > cycle_clocks) cycle_clocks = other;
+        other = other - 2 * half + extra;
+        if (other > cycle_clocks) cycle_clocks = other;
+        other = (1 << watch_bits(part, clk_khz, 1'b0)) + channels + 4;
+        if (other > cycle_clocks) cycle_clocks = other;
+      end
     end
   endfunction
 

@@ -8,6 +8,9 @@
 // answer (timeout_o) or an answer had another channel's number (mistagged_o: the part is then set up again); no
 // conversion, as the frame before was still under way (overrun_o). All but the first raise lost_o.
 // A frame that an upset ends counts as dropped; its first samples may have left.
+// ReadDuring: the next frame may be converted while one is read. A frame is then dropped if a sample waited as its
+// read began; a tick whose BUSY could fall in a read, or too soon after it, is an overrun; a frame whose BUSY does is
+// given up. wait_i: a read waits for the BUSY of converters that share CS, but no longer than a conversion can last.
 // After reset the part is first reset or set up; then ticks begin.
 //
 // The twin, model/meissner/twins/frontend/adc_spi.py, gives all latencies as functions.
@@ -22,6 +25,7 @@ module msn_adc_spi #(
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned PeriodBits = 24,
   parameter  bit          Trigger    = 1'b0,  // 1: trigger_i starts each conversion, cfg_period_i is not used
+  parameter  bit          ReadDuring = 1'b0,  // 1: a frame is read while the next one is converted
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
 ) (
   input  logic                         clk_i,
@@ -38,9 +42,12 @@ module msn_adc_spi #(
   output logic                         adc_convst_o,
   input  logic                         adc_busy_i,
   output logic                         adc_reset_o,
+  output logic                         busy_o,        // BUSY, after its synchroniser
+  input  logic                         wait_i,        // that of others
 
   output logic                         ready_o,       // the part has been reset or set up
   output logic                         convert_o,     // strobe: CONVST rises (without CONVST: CS falls)
+  output logic                         read_o,        // strobe: CS of a frame's first word falls
   output logic                         lost_o,        // strobe: a tick gives no samples (one for two at once)
 
   output logic                         out_valid_o,
@@ -68,7 +75,13 @@ module msn_adc_spi #(
   localparam bit          Signed       = msn_adc_pkg::is_signed(Part);
   localparam bit          HasBusy      = msn_adc_pkg::has_busy(Part);
   localparam bit          CsPerChannel = msn_adc_pkg::cs_per_channel(Part);
-  localparam int unsigned WatchBits    = msn_adc_pkg::watch_bits(Part, ClkKhz);
+  localparam int unsigned WatchBits    = msn_adc_pkg::watch_bits(Part, ClkKhz, ReadDuring);
+  localparam int unsigned BusyClocks   = msn_adc_pkg::busy_clocks(Part, ClkKhz);
+  localparam int unsigned WatchEnd     = ReadDuring ? BusyClocks + 3 : (1 << WatchBits) - 1;
+  localparam int unsigned LowBits      = ReadDuring ? 2 : 1;  // of watch_q: CONVST is high while these are 0
+  localparam int unsigned During       = msn_adc_pkg::guard_clocks(Part, ClkKhz, Half, Words);
+  localparam int unsigned Guard        = ReadDuring ? During : 1;
+  localparam int unsigned GuardBits    = msn_pkg::index_width(Guard);
   localparam bit          HasReset     = msn_adc_pkg::has_reset(Part);
   localparam bit          NeedsStart   = HasReset || SetupWords > 0;
   // A part without RESET is idle before its setup as long as the reset of a part with RESET takes.
@@ -83,7 +96,7 @@ module msn_adc_spi #(
   if (Channels < 1 || Channels > 8) begin : gen_check_channels
     $fatal(1, "msn_adc_spi: Channels = %0d must lie in 1 .. 8", Channels);
   end
-  if (!msn_pkg::are_lanes(Lanes) || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
+  if (Lanes < 1 || !msn_pkg::is_power(Lanes) || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
     $fatal(1, "msn_adc_spi: Lanes = %0d must be a power of two, at most %0d", Lanes,
            msn_adc_pkg::max_lanes(Part));
   end
@@ -105,11 +118,14 @@ module msn_adc_spi #(
   if (PeriodBits < 1 || PeriodBits > 32) begin : gen_check_period_bits
     $fatal(1, "msn_adc_spi: PeriodBits = %0d must lie in 1 .. 32", PeriodBits);
   end
+  if (ReadDuring && !HasBusy) begin : gen_check_read_during
+    $fatal(1, "msn_adc_spi: ReadDuring = 1 must go with a part that has BUSY");
+  end
 
   typedef enum logic [2:0] {
     Reset,     // RESET is high, then low for the same time; CS is high
     Setup,     // sends the words that set the part up
-    Idle,
+    Idle,      // ReadDuring: in this and the next two a frame may be read
     BusyRise,  // CONVST is high, BUSY has not risen yet
     BusyFall,  // converting
     Read
@@ -119,14 +135,18 @@ module msn_adc_spi #(
   logic [PeriodBits-1:0] left_q;   // clocks to the next tick
   logic [WatchBits-1:0]  watch_q;  // clocks spent waiting for BUSY
   logic [WordBits-1:0]   word_q;   // back at 0 after the last word of a frame or of the setup
-  logic                  open_q;   // a frame is under way, and has not been stored completely
+  logic [GuardBits-1:0]  guard_q;  // clocks in which no conversion may start, as BUSY could fall in the read
+  logic                  await_q;  // wait_i counts: a conversion may still run
+  logic                  begun_q;  // ReadDuring: a frame is converted
+  logic                  open_q;   // a frame is under way (ReadDuring: read), not stored completely
   logic                  drop_q;   // this frame is dropped
   logic                  over_q;   // a sample was sent with out_user_o
   logic                  ready_q;  // the part has been reset or set up
   logic                  bad_q;    // an answer of this frame had another channel's number
-  logic                  busy, busy_q;
+  logic                  busy, busy_q, fallen;
   logic                  enable, tick, frame, waits, give_up, read, running, done, word, word_last, frame_end;
-  logic                  pending, bad, setup, rests, astray, over, stored, missed, overrun;
+  logic                  pending, bad, setup, reads, rests, early, astray, over, stored, failed, missed;
+  logic                  overrun, cut;
   logic [StartBits-1:0]  start_q;
   logic [Lanes*KeptBits-1:0] kept;
   logic [Lanes*DataBits-1:0] data;
@@ -134,21 +154,27 @@ module msn_adc_spi #(
   assign ready_o   = ready_q;
   assign enable    = cfg_enable_i && ready_q;
   assign tick      = Trigger ? (cfg_enable_i && trigger_i) : (enable && left_q == '0);
-  assign frame     = tick && state_q == Idle && !running;
+  assign frame     = tick && state_q == Idle && (ReadDuring ? guard_q == '0 : !running);
   assign overrun   = tick && !frame;
   assign word_last = word_q == (setup ? WordBits'(SetupWords - 1) : WordBits'(Words - 1));
-  assign frame_end = done && word_q == '0 && state_q == Read;
-  assign waits     = HasBusy && open_q && !running && (state_q == BusyRise || state_q == BusyFall);
-  assign give_up   = waits && &watch_q;
+  assign reads     = ReadDuring ? !setup : state_q == Read;
+  assign frame_end = done && word_q == '0 && reads;
+  assign waits     = HasBusy && (state_q == BusyRise || state_q == BusyFall) &&
+                     (ReadDuring ? begun_q : open_q && !running);
+  assign fallen    = state_q == BusyFall && !busy && !(await_q && wait_i);
+  assign early     = ReadDuring && fallen && running;
+  assign give_up   = waits && (watch_q == WatchBits'(WatchEnd) || early);
 
   // The states in which the shifter runs and rests; after an upset of either, the state follows the shifter.
   assign setup  = SetupWords > 0 && state_q == Setup;
   assign rests  = state_q == Reset || state_q == Idle || waits;
-  assign astray = running ? !setup && state_q != Read : !rests;
+  assign astray = !running ? !rests : !setup && (ReadDuring ? state_q == Reset || !rests : state_q != Read);
 
   // A frame that is over and still open gave no samples, or an upset ended it.
-  assign over   = frame_end || give_up || setup || !(running || waits);
+  assign over   = frame_end || setup || (ReadDuring ? !running : give_up || !(running || waits));
+  assign failed = begun_q && (give_up || !waits);
   assign missed = over && open_q;
+  assign cut    = (missed && (ReadDuring || !give_up) && (drop_q || !bad_q)) || (failed && !give_up);
 
   // Wait for BUSY to rise first: if it is stuck high, or still high from the frame before, its fall means nothing.
   always_comb begin
@@ -156,22 +182,25 @@ module msn_adc_spi #(
     case (state_q)
       Reset:    if (start_q == '0) state_d = (SetupWords > 0) ? Setup : Idle;
       Setup:    if (done && word_q == '0) state_d = Idle;
-      Idle:     if (tick) state_d = HasBusy ? BusyRise : Read;
+      Idle:     if (ReadDuring ? frame : tick) state_d = HasBusy ? BusyRise : Read;
       BusyRise: if (busy && !busy_q) state_d = BusyFall;
-      BusyFall: if (!busy) state_d = Read;
+      BusyFall: if (fallen) state_d = ReadDuring ? Idle : Read;
       default:  if (frame_end) state_d = (Tagged && bad_q) ? Setup : Idle;
     endcase
     if (give_up) state_d = Idle;
-    if (astray)  state_d = running ? Read : Idle;
+    if (astray)  state_d = (running && !ReadDuring) ? Read : Idle;
   end
 
   // True where state_d becomes Read or Setup, BusyRise or BusyFall, but written without state_d for timing: the
   // trigger, a word's end and the pins' registers are far apart.
   logic resumed, set_up, converting;
-  assign resumed = HasBusy ? waits && state_q == BusyFall && !busy && !give_up : frame;
+  assign resumed = HasBusy ? waits && fallen && !give_up : frame;
   assign set_up  = SetupWords > 0 &&
                    ((state_q == Reset && start_q == '0 && !running) || (frame_end && Tagged && bad_q));
-  assign converting = (HasBusy && frame) || (waits && !give_up && (state_q == BusyRise || busy));
+  // The watchdog's first half outlasts any conversion; CONVST is low in the second, to rise at the next tick.
+  // ReadDuring: it is low from half of the longest conversion on, or earlier.
+  assign converting = (HasBusy && frame) || (waits && !give_up && !fallen &&
+                                             watch_q[WatchBits-1-:LowBits] == '0);
   assign read    = resumed || set_up || (CsPerChannel && done && word_q != '0);
 
   always_ff @(posedge clk_i) begin
@@ -180,25 +209,31 @@ module msn_adc_spi #(
     left_q    <= !enable ? '0 : tick ? cfg_period_i - 1'b1 : left_q - 1'b1;
     watch_q   <= waits ? watch_q + 1'b1 : '0;
     convert_o <= frame;
-    lost_o    <= missed || overrun;
-    open_q    <= frame || (open_q && !over && !stored);
+    read_o    <= resumed;
+    lost_o    <= failed || missed || overrun;
+    await_q   <= frame || (await_q && watch_q != WatchBits'(BusyClocks + 1));
+    begun_q   <= ReadDuring && (frame || (begun_q && !failed && !resumed));
+    open_q    <= (ReadDuring ? resumed : frame) || (open_q && !over && !stored);
+    if (resumed)            guard_q <= GuardBits'(Guard - 1);
+    else if (guard_q != '0) guard_q <= guard_q - 1'b1;
     ready_q   <= ready_q || state_q == Idle;
     // Full outside Reset, so that an upset into this state resets the part for as long.
     start_q   <= (state_q == Reset) ? start_q - 1'b1 : StartBits'(StartClocks - 1);
 
     adc_reset_o <= HasReset && state_q == Reset && !running && start_q >= StartBits'(RestClocks);
 
-    if (convert_o) drop_q <= pending;  // samples left at the tick; the first word arrives later
+    // Samples left at the tick or the read's start; the first word arrives later. BUSY that falls in a read tears it.
+    if (ReadDuring ? read_o : convert_o) drop_q <= pending;
+    if (ReadDuring && running && busy_q && !busy) drop_q <= 1'b1;
     if (frame || word) bad_q <= !frame && (bad_q || bad);
     if (!running)  word_q <= '0;  // it is 0 already, unless an upset stopped the shifter
     else if (word) word_q <= word_last ? '0 : word_q + 1'b1;
 
-    // The watchdog's first half outlasts any conversion; CONVST is low in the second, to rise at the next tick.
-    adc_convst_o <= converting && !watch_q[WatchBits-1];
+    adc_convst_o <= converting;
 
-    dropped_o   <= dropped_o + 32'(missed && !give_up && (drop_q || !bad_q));
+    dropped_o   <= dropped_o + 32'(cut);
     overrun_o   <= overrun_o + 32'(overrun);
-    timeout_o   <= timeout_o + 32'(missed && give_up);
+    timeout_o   <= timeout_o + 32'((ReadDuring ? failed : missed) && give_up);
     mistagged_o <= mistagged_o + 32'(missed && bad_q && !drop_q);
 
     // A clock later, as the path from the samples to the sum is long.
@@ -213,6 +248,9 @@ module msn_adc_spi #(
       left_q       <= '0;
       word_q       <= '0;
       convert_o    <= 1'b0;
+      read_o       <= 1'b0;
+      guard_q      <= '0;
+      begun_q      <= 1'b0;
       open_q       <= 1'b0;
       lost_o       <= 1'b0;
       adc_convst_o <= 1'b0;
@@ -228,6 +266,7 @@ module msn_adc_spi #(
   msn_sync u_busy (
     .clk_i, .in_data_i(adc_busy_i), .out_data_o(busy)
   );
+  assign busy_o = busy;
 
   // The AD7606 has no DIN.
   logic mosi;
@@ -253,7 +292,7 @@ module msn_adc_spi #(
     assign unused_kept = ^kept;
   end else begin : gen_plain
     assign store_word  = IdBits'(word_q);
-    assign store_valid = word && (SetupWords == 0 || state_q == Read);
+    assign store_valid = word && (SetupWords == 0 || reads);
     assign bad         = 1'b0;
     assign data        = kept;
   end
@@ -273,7 +312,8 @@ module msn_adc_spi #(
     .SampleBits(SampleBits), .Signed(Signed), .Whole(Tagged)
   ) u_store (
     .clk_i, .rst_i,
-    .begin_i    (frame),  // not convert_o: an upset of it would begin a frame within a frame
+    // Not convert_o or read_o: an upset of it would begin a frame within a frame.
+    .begin_i    (ReadDuring ? resumed : frame),
     .in_valid_i(store_valid && !drop_q), .in_word_i(store_word), .in_data_i(data), .in_bad_i(bad_q || bad),
     .pending_o(pending),
     .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o

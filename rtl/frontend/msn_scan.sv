@@ -6,9 +6,9 @@
 //   column = (group*Channels + channel)*Lanes + lane      id = row*Beats + column/Lanes, Beats = ceil(Columns/Lanes)
 //
 // row_o is one-hot or all low; between two conversions it is low for a clock. A conversion starts (trigger_o, a clock
-// later at the pins) exactly settle clocks after row_o and group_o changed. Before the next trigger, every
-// converter must give Channels samples, or a lost strobe at least Channels + 3 clocks before; then its samples are 0
-// and marked in user.
+// later at the pins) exactly settle clocks after row_o and group_o changed. Before Overlap clocks have passed since the
+// next trigger, and not before they have since its own, every converter must give Channels samples, or a lost strobe at
+// least Channels + 3 clocks before; then its samples are 0 and marked in user.
 // Frames leave complete or not at all. First sample in to out 5 clocks.   Model: model/meissner/twins/frontend/scan.py
 
 module msn_scan #(
@@ -18,6 +18,7 @@ module msn_scan #(
   parameter  int unsigned Channels   = 8,
   parameter  int unsigned Hold       = 2,    // see msn_scan_plan
   parameter  int unsigned Cycle      = 268,
+  parameter  int unsigned Overlap    = 0,    // clocks from a trigger in which the one before still sends
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned SettleBits = 16,
   parameter  int unsigned PeriodBits = 32,
@@ -58,6 +59,10 @@ module msn_scan #(
     $fatal(1, "msn_scan: SampleBits = %0d must be at least 2", SampleBits);
   end
 
+  if (Overlap == 1 || Overlap >= Cycle) begin : gen_check_overlap
+    $fatal(1, "msn_scan: Overlap = %0d must be 0 or lie in 2 .. Cycle - 1", Overlap);
+  end
+
   localparam int unsigned Width    = Lanes * (SampleBits + 1);
   localparam int unsigned ChanBits = msn_pkg::index_width(Channels);
 
@@ -69,6 +74,10 @@ module msn_scan #(
   assign status_o = {dropped, overrun, held, lost};
   logic [RowBits-1:0]   switch_row;
   logic [GroupBits-1:0] switch_group, done_group;
+  // Of the conversion whose samples come. `turn`: the one triggered last becomes this one.
+  logic                 turn, sent_first, sent_interleave, begins;
+  logic [GroupBits-1:0] sent_group;
+  logic [47:0]          begun;  // convert start, with `begins`: of a frame whose samples come next
   msn_scan_plan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .Hold(Hold), .Cycle(Cycle),
     .SettleBits(SettleBits), .PeriodBits(PeriodBits)
@@ -116,7 +125,7 @@ module msn_scan #(
   end
   always_ff @(posedge clk_i) begin
     lost_q <= ((beat && beat_end) ? '0 : lost_q) | in_lost_i;
-    if (trigger_o) channel_q <= '0;  // it is 0 already, unless an upset changed it
+    if (turn) channel_q <= '0;  // it is 0 already, unless an upset changed it
     else if (beat) channel_q <= beat_end ? '0 : channel_q + 1'b1;
     beat_q      <= beat;
     channel_q2  <= channel_q;
@@ -137,23 +146,23 @@ module msn_scan #(
   logic [PlaceBits-1:0] place;
   logic                 wanted, frame_first;
   if (Channels == 1) begin : gen_one
-    assign place = PlaceBits'(done_group);
+    assign place = PlaceBits'(sent_group);
     logic unused_channel;
     assign unused_channel = ^channel_q2;
   end else if (msn_pkg::is_power(Channels)) begin : gen_power
-    assign place = {done_group, channel_q2};
+    assign place = {sent_group, channel_q2};
   end else if (Beats > Channels) begin : gen_groups
     logic [GroupBits+msn_pkg::index_width(Channels+1)-1:0] first;  // of the group
     msn_constant_multiplier #(.Constant(Channels), .InBits(GroupBits))
-      u_first (.in_data_i(done_group), .out_data_o(first));
+      u_first (.in_data_i(sent_group), .out_data_o(first));
     assign place = PlaceBits'(first) + PlaceBits'(channel_q2);
   end else begin : gen_alone
     assign place = PlaceBits'(channel_q2);
     logic unused_group;
-    assign unused_group = ^done_group;
+    assign unused_group = ^sent_group;
   end
   assign wanted      = beat_q && 32'(place) < Beats;  // not of columns beyond the array
-  assign frame_first = done_first && place == '0;
+  assign frame_first = sent_first && place == '0;
 
   logic             wanted_q, frame_first_q;
   logic [Width-1:0] beat_data_q2;
@@ -169,9 +178,29 @@ module msn_scan #(
   logic [31:0] frame_q;
   logic [47:0] time_q;
   logic        taken;
+  if (Overlap == 0) begin : gen_apart
+    assign turn        = trigger_o;
+    assign begins      = trigger_q && done_first;
+    assign begun       = now_i;
+    assign sent_first  = done_first;
+    assign sent_group  = done_group;
+    assign sent_interleave = done_interleave;
+  end else begin : gen_overlap
+    logic [msn_pkg::index_width(Overlap + 1)-1:0] left_q;  // clocks to the turn
+    logic                                         none_q;
+    assign turn   = !none_q && left_q == '0;
+    assign begins = turn && done_first;
+    always_ff @(posedge clk_i) begin
+      none_q <= !trigger_o && (none_q || left_q == '0);
+      left_q <= trigger_o ? $bits(left_q)'(Overlap - 1) : left_q - 1'b1;
+      if (trigger_q && done_first) begun <= now_i;
+      if (turn) {sent_first, sent_group, sent_interleave} <= {done_first, done_group, done_interleave};
+      if (rst_i) none_q <= 1'b1;
+    end
+  end
   always_ff @(posedge clk_i) begin
     trigger_q <= trigger_o;
-    if (trigger_q && done_first) {frame_q, time_q} <= {frame_q + 1'b1, now_i};
+    if (begins) {frame_q, time_q} <= {frame_q + 1'b1, begun};
     if (taken) {out_frame_o, out_time_o} <= {frame_q, time_q};
     if (rst_i) begin
       trigger_q <= 1'b0;
@@ -179,9 +208,11 @@ module msn_scan #(
     end
   end
 
-  msn_scan_buffer #(.Rows(Rows), .Beats(Beats), .Burst(Channels), .Width(Width), .Depth(Depth)) u_buffer (
+  msn_scan_buffer #(
+    .Rows(Rows), .Beats(Beats), .Burst(Channels), .Width(Width), .Depth(Depth), .Ahead(Overlap == 0 ? 2 : 3)
+  ) u_buffer (
     .clk_i, .rst_i,
-    .in_valid_i(wanted_q), .in_first_i(frame_first_q), .in_interleave_i(done_interleave),
+    .in_valid_i(wanted_q), .in_first_i(frame_first_q), .in_interleave_i(sent_interleave),
     .in_data_i(beat_data_q2),
     .room_o(room),
     .out_valid_o, .out_ready_i, .out_data_o({out_user_o, out_data_o}), .out_id_o, .out_last_o,

@@ -5,7 +5,8 @@
 // Channels inputs of each part are used. A part that converts them one after the other (MCP3208, MAX111xx) holds the
 // row for that time; one that samples all simultaneously (AD7606) lets the row change while it converts. The lines
 // hold for Hold clocks, triggers are Cycle clocks apart, both from msn_adc_pkg. Scanning begins when all parts have
-// been reset or set up.   Model: model/meissner/twins/frontend/scan_adc.py
+// been reset or set up. Converters are read together, after the last BUSY has fallen, so they may share every line but
+// DOUT and BUSY.   Model: model/meissner/twins/frontend/scan_adc.py
 
 module msn_scan_adc #(
   parameter  int unsigned Rows       = 16,
@@ -17,6 +18,7 @@ module msn_scan_adc #(
   parameter  int unsigned ClkKhz     = 25_000,
   parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Part),
   parameter  int unsigned SampleBits = 17,
+  parameter  bit          ReadDuring = 1'b0,                // a conversion is read while the next one runs
   localparam int unsigned Beats      = (Columns + Lanes - 1) / Lanes,
   localparam int unsigned IdBits     = msn_pkg::index_width(Rows * Beats),
   parameter  int unsigned Depth      = Rows * Beats,
@@ -53,20 +55,22 @@ module msn_scan_adc #(
 
   localparam int unsigned Half  = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
   localparam int unsigned Hold  = msn_adc_pkg::hold_clocks(Part, Channels, ClkKhz, Half);
-  localparam int unsigned Cycle = msn_adc_pkg::cycle_clocks(Part, Channels, AdcLanes, ClkKhz, Half);
+  localparam int unsigned Cycle = msn_adc_pkg::cycle_clocks(Part, Channels, AdcLanes, ClkKhz, Half,
+                                                            ReadDuring);
+  localparam int unsigned Overlap = ReadDuring ? msn_adc_pkg::overlap_clocks(Part, ClkKhz, Half) : 0;
 
   logic                        trigger;
-  logic [Lanes-1:0]            ready, convert, sample_valid, sample_ready, sample_user, lost;
+  logic [Lanes-1:0]            ready, busy, convert, sample_valid, sample_ready, sample_user, lost;
   logic [Lanes*SampleBits-1:0] sample;
   assign convert_o = |convert;
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_adc
     // msn_scan numbers the channels and counts lost conversions.
     logic [msn_pkg::index_width(Channels)-1:0] unused_id;
-    logic                                      unused_last;
+    logic                                      unused_last, unused_read;
     logic [31:0] unused_dropped, unused_overrun, unused_timeout, unused_mistagged, unused_over_range;
     msn_adc_spi #(
       .Part(Part), .Channels(Channels), .Lanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz),
-      .SampleBits(SampleBits), .PeriodBits(1), .Trigger(1'b1)
+      .SampleBits(SampleBits), .PeriodBits(1), .Trigger(1'b1), .ReadDuring(ReadDuring)
     ) u_adc_spi (
       .clk_i, .rst_i,
       .cfg_enable_i(1'b1), .cfg_period_i(1'b0),
@@ -74,7 +78,8 @@ module msn_scan_adc #(
       .adc_cs_n_o(adc_cs_n_o[lane]), .adc_sclk_o(adc_sclk_o[lane]), .adc_mosi_o(adc_mosi_o[lane]),
       .adc_miso_i(adc_miso_i[lane*AdcLanes+:AdcLanes]), .adc_convst_o(adc_convst_o[lane]),
       .adc_busy_i(adc_busy_i[lane]), .adc_reset_o(adc_reset_o[lane]),
-      .ready_o(ready[lane]), .convert_o(convert[lane]), .lost_o(lost[lane]),
+      .busy_o(busy[lane]), .wait_i(|busy),
+      .ready_o(ready[lane]), .convert_o(convert[lane]), .read_o(unused_read), .lost_o(lost[lane]),
       .out_valid_o(sample_valid[lane]), .out_ready_i(sample_ready[lane]),
       .out_data_o(sample[lane*SampleBits+:SampleBits]), .out_id_o(unused_id), .out_last_o(unused_last),
       .out_user_o(sample_user[lane]),
@@ -97,7 +102,7 @@ module msn_scan_adc #(
 
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .Hold(Hold), .Cycle(Cycle),
-    .SampleBits(SampleBits), .Depth(Depth)
+    .SampleBits(SampleBits), .Depth(Depth), .Overlap(Overlap)
   ) u_scan (
     .clk_i, .rst_i,
     .cfg_i(cfg), .status_o,

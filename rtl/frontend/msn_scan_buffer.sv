@@ -5,7 +5,7 @@
 // A frame arrives row by row, or (in_interleave_i) rows 0, 2, 4 .., then 1, 3, 5 ..; each beat leaves as soon as it
 // and all before it are present. If a beat of a frame is still here a clock before the next frame's first beat, the
 // next frame is dropped entirely (dropped_o). Depth below Rows*Beats: natural order only, and the sender must stop
-// when room_o is low: two conversions of Burst beats still fit then.
+// when room_o is low: Ahead conversions of Burst beats still fit then.
 // A frame with a missing beat would never end: the next frame replaces it, and it leaves without its last beat.
 // Extra beats are dropped.
 //
@@ -17,6 +17,7 @@ module msn_scan_buffer #(
   parameter  int unsigned Burst  = 8,
   parameter  int unsigned Width  = 18,
   parameter  int unsigned Depth  = Rows * Beats,
+  parameter  int unsigned Ahead  = 2,
   localparam int unsigned IdBits = msn_pkg::index_width(Rows * Beats)
 ) (
   input  logic              clk_i,
@@ -168,7 +169,7 @@ module msn_scan_buffer #(
     always_ff @(posedge clk_i) begin
       used_q <= taken_o ? (AddressBits+1)'(1) :
                 empty ? '0 : used_q + (AddressBits+1)'(store) - (AddressBits+1)'(step);
-      room_o <= 32'(used_q) + 2 * Burst < Depth;
+      room_o <= 32'(used_q) + Ahead * Burst < Depth;
       if (rst_i) begin
         used_q <= '0;
         room_o <= 1'b0;

@@ -53,7 +53,7 @@ module msn_scan_demod #(
 );
 
   localparam int unsigned Half       = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
-  localparam int unsigned AdcCycle   = msn_adc_pkg::cycle_clocks(Part, 1, 1, ClkKhz, Half);
+  localparam int unsigned AdcCycle   = msn_adc_pkg::cycle_clocks(Part, 1, 1, ClkKhz, Half, 1'b0);
   localparam int unsigned Count      = Skip + Periods * SamplesPerPeriod;
   localparam int unsigned BurstBits  = $clog2(Count + 1);
   localparam int unsigned SampleTime = $clog2(SamplePeriod + 1);
@@ -98,7 +98,7 @@ module msn_scan_demod #(
   );
 
   for (genvar part = 0; part < Converters; part++) begin : gen_adc
-    logic        unused_id, unused_last, unused_convst, unused_reset;
+    logic        unused_id, unused_last, unused_convst, unused_reset, unused_busy, unused_read;
     logic [31:0] unused_dropped, unused_overrun, unused_timeout, unused_mistagged, unused_over_range;
     msn_adc_spi #(
       .Part(Part), .Channels(1), .Lanes(1), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .SampleBits(SampleBits),
@@ -109,8 +109,8 @@ module msn_scan_demod #(
       .trigger_i(trigger),
       .adc_cs_n_o(adc_cs_n_o[part]), .adc_sclk_o(adc_sclk_o[part]), .adc_mosi_o(adc_mosi_o[part]),
       .adc_miso_i(adc_miso_i[part]), .adc_convst_o(unused_convst), .adc_busy_i(1'b0),
-      .adc_reset_o(unused_reset),
-      .ready_o(ready[part]), .convert_o(convert[part]), .lost_o(lost[part]),
+      .adc_reset_o(unused_reset), .busy_o(unused_busy), .wait_i(1'b0),
+      .ready_o(ready[part]), .convert_o(convert[part]), .read_o(unused_read), .lost_o(lost[part]),
       .out_valid_o(sample_valid[part]), .out_ready_i(spoiled || taken),
       .out_data_o(sample[part*SampleBits+:SampleBits]), .out_id_o(unused_id), .out_last_o(unused_last),
       .out_user_o(sample_user[part]),

@@ -19,6 +19,7 @@ module msn_sensor_array #(
   parameter  int unsigned AdcChannels      = 8,                 // of each converter; Demod: one
   parameter  int unsigned ClkKhz           = 25_000,
   parameter  int unsigned SclkKhz          = msn_adc_pkg::sclk_default_khz(Adc),
+  parameter  bit          ReadDuring       = 1'b0,              // read a conversion while the next one runs
   parameter  int unsigned Rows             = 1,
   parameter  int unsigned Columns          = 1,
   parameter  bit          Demod            = 1'b0,
@@ -86,6 +87,10 @@ module msn_sensor_array #(
   output logic [47:0]                    time_o
 );
 
+  if (ReadDuring && !msn_adc_pkg::has_busy(Adc)) begin : gen_check_read_during
+    $fatal(1, "msn_sensor_array: ReadDuring = 1 must go with a converter that has BUSY");
+  end
+
   logic                            scan_valid, scan_ready, scan_last;
   logic [Lanes*SampleBits-1:0]     scan_data;
   logic [IdBits-1:0]               scan_id;
@@ -103,7 +108,7 @@ module msn_sensor_array #(
     logic [31:0] unused_frame;
     msn_scan_adc #(
       .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Part(Adc), .Channels(AdcChannels), .AdcLanes(AdcLanes),
-      .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .SampleBits(SampleBits)
+      .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .SampleBits(SampleBits), .ReadDuring(ReadDuring)
     ) u_scan_adc (
       .clk_i, .rst_i,
       .cfg_i(cfg_i.scan), .status_o(scan), .now_i, .row_o, .group_o,

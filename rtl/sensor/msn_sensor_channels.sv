@@ -18,6 +18,7 @@ module msn_sensor_channels #(
   parameter  int unsigned AdcPeriod  = 0,                 // clocks, built in: msn_acquire
   parameter  int unsigned Channels   = 1,
   parameter  int unsigned SampleBits = 17,
+  parameter  bit          ReadDuring = 1'b0,              // msn_adc_spi
   parameter  bit          Gate       = 1'b1,
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
 ) (
@@ -58,6 +59,10 @@ module msn_sensor_channels #(
   if (PeriodBits > 24) begin : gen_check_period_bits
     $fatal(1, "msn_sensor_channels: PeriodBits = %0d must be at most 24, like its register", PeriodBits);
   end
+  // Without the gate, the blocks downstream take a frame's time from the last convert start.
+  if (ReadDuring && !Gate) begin : gen_check_read_during
+    $fatal(1, "msn_sensor_channels: ReadDuring = 1 must go with Gate = 1");
+  end
 
   msn_registers_pkg::adc_status_t adc;
   always_comb begin
@@ -65,15 +70,15 @@ module msn_sensor_channels #(
     status_o.adc = adc;
   end
 
-  logic adc_valid, adc_ready;
+  logic adc_valid, adc_ready, read;
   msn_acquire #(
     .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .PeriodBits(PeriodBits),
-    .AdcPeriod(AdcPeriod), .Channels(Channels), .SampleBits(SampleBits)
+    .AdcPeriod(AdcPeriod), .Channels(Channels), .SampleBits(SampleBits), .ReadDuring(ReadDuring)
   ) u_acquire (
     .clk_i, .rst_i,
     .cfg_enable_i(cfg_i.adc.enable), .cfg_period_i(cfg_i.adc.period[PeriodBits-1:0]),
     .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
-    .convert_o,
+    .convert_o, .read_o(read),
     .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
     .out_valid_o(adc_valid), .out_ready_i(adc_ready), .out_data_o(sample_data_o), .out_id_o(sample_id_o),
     .out_last_o(sample_last_o),
@@ -91,10 +96,10 @@ module msn_sensor_channels #(
     if (Adc == msn_pkg::AdcNone) begin : gen_stream_time
       always_ff @(posedge clk_i) if (sample_valid_o && sample_ready_i && sample_first_o) time_o <= now_i;
     end else begin : gen_time_stamp
-      msn_time_stamp u_time_stamp (
+      msn_time_stamp #(.ReadDuring(ReadDuring)) u_time_stamp (
         .clk_i, .rst_i,
-        .now_i, .convert_i(convert_o), .valid_i(adc_valid), .ready_i(adc_ready), .last_i(sample_last_o),
-        .time_o
+        .now_i, .convert_i(convert_o), .read_i(read), .valid_i(adc_valid), .ready_i(adc_ready),
+        .last_i(sample_last_o), .time_o
       );
     end
   end else begin : gen_no_gate
@@ -104,7 +109,7 @@ module msn_sensor_channels #(
     assign unused_gate = ^{pending_i, busy_i, now_i};
   end
 
-  logic unused_cfg;
-  assign unused_cfg = ^cfg_i;
+  logic unused;
+  assign unused = ^{cfg_i, read};
 
 endmodule

@@ -14,6 +14,7 @@ module msn_sensor_cop4 #(
   parameter  int unsigned ClkKhz       = 25_000,
   parameter  int unsigned SclkKhz      = msn_adc_pkg::sclk_default_khz(Adc),
   parameter  int unsigned AdcPeriod    = 0,
+  parameter  bit          ReadDuring   = 1'b0,              // msn_adc_spi
   parameter  bit          Correct      = 1'b0,
   parameter  int unsigned BitsPerClock = 2,
   parameter  bit          CopSlip      = 1'b0,
@@ -64,7 +65,7 @@ module msn_sensor_cop4 #(
   logic        [1:0]            sample_id;
   msn_sensor_channels #(
     .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .AdcPeriod(AdcPeriod), .Channels(4),
-    .SampleBits(SampleBits)
+    .SampleBits(SampleBits), .ReadDuring(ReadDuring)
   ) u_channels (
     .clk_i, .rst_i,
     .now_i, .cfg_i, .status_o(channels), .pending_i, .commit_o, .busy_i(owed),

@@ -75,7 +75,7 @@ WIRES = {
         ("acquire.out_{}_o", "time.{}_i", "valid last"),
         ("gate.in_ready_o", "acquire.out_ready_i"),
         ("gate.in_ready_o", "time.ready_i"),
-        ("acquire.convert_o", "time.convert_i"),
+        ("acquire.{}_o", "time.{}_i", "convert read"),
         ("now", "time.now_i"),
         ("time.time_o", "link.time_i"),
     ],

@@ -11,6 +11,12 @@ module cover_adc_spi #(
   input logic [2:0] state_q,
   input logic       tick,
   input logic       give_up,
+  input logic       running,
+  input logic       early,
+  input logic       overrun,
+  input logic       busy,
+  input logic       await_q,
+  input logic       wait_i,
   input logic       frame_end,
   input logic       drop_q,
   input logic       bad_q,
@@ -52,6 +58,11 @@ module cover_adc_spi #(
       `BIN(started, Kind == kind && convert_o && Trigger == (t == 1))
     end
   end
+  `BIN(started_during_read, !rst_i && convert_o && running)
+  `BIN(busy_fell_during_read, !rst_i && early)
+  `BIN(guarded, !rst_i && overrun && state_q == Idle)
+  `BIN(waits_for_others, !rst_i && state_q == 3'd4 && !busy && wait_i && await_q)
+  `BIN(waits_no_longer, !rst_i && state_q == 3'd4 && !busy && wait_i && !await_q)
   `BIN(hangs_low, !rst_i && give_up && state_q == 3'd3)
   `BIN(hangs_high, !rst_i && give_up && state_q == 3'd4)
   `BIN(hangs_and_tick, !rst_i && give_up && tick)

@@ -27,7 +27,7 @@ def results(tmp_path, monkeypatch):
             if fails:
                 raise KeyboardInterrupt
 
-        def module_run(scene, engine, seed, waves, progress):
+        def module_run(scene, engine, seed, waves, spread):
             summary = {"scene": name, "seed": 1, "engine": engine, "runs": 1, "left_out": []}
             shown = [Picture(end, draw, "any", "a picture") for end in ends]
             return Result(summary, {"x": np.arange(3)}, shown, {name: b"" for name in files})
@@ -35,7 +35,7 @@ def results(tmp_path, monkeypatch):
         module = SimpleNamespace(run=module_run, TABLES={}, answer=lambda _: "Nothing was judged.")
         for place in (run, writing):
             monkeypatch.setattr(place, "runner", lambda _: module)
-        monkeypatch.setattr(run, "check", lambda *_: None)
+        monkeypatch.setattr(run, "check", lambda *_: 1)
         return run.run(SimpleNamespace(name=name, title=name, sensor="any"), "fixed", tmp_path / "out")
 
     start.folder = tmp_path / "out"

@@ -5,7 +5,8 @@
 // data sheets. No conversion starts during a read, and none is read before it ends. The clocks in which the master
 // ticks, starts, waits for BUSY, gives up, reads and ends; what it sends and stores of a word; losses and counters; no
 // code is overwritten before it has left. For the tagged parts (MAX1112x) the same, with their setup and channel
-// numbers, but without figures.
+// numbers, but without figures. ReadDuring: a conversion starts during a read only if that ends 25 ns before the next
+// fall of BUSY, at the earliest, and the shifter rests before the next read; BUSY that falls during a read starts none.
 
 module formal_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,
@@ -16,6 +17,7 @@ module formal_adc_spi #(
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned PeriodBits = 24,
   parameter  bit          Trigger    = 1'b0,
+  parameter  bit          ReadDuring = 1'b0,
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
 ) (
   input logic                  clk_i,
@@ -25,24 +27,27 @@ module formal_adc_spi #(
   input logic                  trigger_i,
   input logic [Lanes-1:0]      adc_miso_i,
   input logic                  adc_busy_i,
+  input logic                  wait_i,
   input logic                  out_ready_i
 );
 
-  logic                         adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, ready_o, convert_o, lost_o;
+  logic                         adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, busy_o, ready_o, convert_o, read_o, lost_o;
   logic                         out_valid_o, out_last_o, out_user_o;
   logic signed [SampleBits-1:0] out_data_o;
   logic [IdBits-1:0]            out_id_o;
   logic [31:0]                  dropped_o, overrun_o, timeout_o, mistagged_o, over_range_o;
   msn_adc_spi #(
     .Part(Part), .Channels(Channels), .Lanes(Lanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz),
-    .SampleBits(SampleBits), .PeriodBits(PeriodBits), .Trigger(Trigger)
+    .SampleBits(SampleBits), .PeriodBits(PeriodBits), .Trigger(Trigger),
+    .ReadDuring(ReadDuring)
   ) dut (.*);
 
   // ps, at the voltages of docs/adc.md: SCLK low and high, its period, CS to the first edge, CS high.
   localparam bit              Mcp3208 = Part == msn_pkg::AdcMcp3208;
   localparam bit              Ad7606c = Part == msn_pkg::AdcAd7606c;
-  localparam longint unsigned Period  = Mcp3208 ? 500_000 : Ad7606c ? 16_667 : 68_966;
-  localparam longint unsigned Level   = Mcp3208 ? 250_000 : Ad7606c ? 6_667 : 27_587;
+  localparam bit              Fast    = SclkKhz > 14_500;  // an AD7606 with a VDRIVE of 3.3 V or more
+  localparam longint unsigned Period  = Mcp3208 ? 500_000 : Ad7606c ? 16_667 : Fast ? 58_824 : 68_966;
+  localparam longint unsigned Level   = Mcp3208 ? 250_000 : Ad7606c ? 6_667 : Fast ? 23_530 : 27_587;
   localparam longint unsigned Lead    = Mcp3208 ? 100_000 : 0;
   localparam longint unsigned Rest    = Mcp3208 ? 500_000 : 22_000;
   localparam int unsigned     Half    = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
@@ -66,8 +71,8 @@ module formal_adc_spi #(
     assert (Tagged || (Clock * 2 * Half >= Period && Clock * 2 * Half >= Rest));
     if (started && !rst_i) begin
       if (dut.u_shift.start_i) assert (!reading || dut.u_shift.done_o);
-      if (adc_convst_o && !convst) assert (adc_cs_n_o && !was_low);
-      if (!adc_cs_n_o) assert (!adc_convst_o);
+      if (!ReadDuring && adc_convst_o && !convst) assert (adc_cs_n_o && !was_low);
+      if (!ReadDuring && !adc_cs_n_o) assert (!adc_convst_o);
     end
   end
 
@@ -80,7 +85,10 @@ module formal_adc_spi #(
   localparam bit          NeedsStart = HasReset || SetupWords != 0;
   localparam int unsigned KeptBits   = msn_adc_pkg::kept_bits(Part);
   localparam int unsigned DataBits   = msn_adc_pkg::data_bits(Part);
-  localparam int unsigned WatchBits  = msn_adc_pkg::watch_bits(Part, ClkKhz);
+  localparam int unsigned WatchBits  = msn_adc_pkg::watch_bits(Part, ClkKhz, ReadDuring);
+  localparam int unsigned Last       = msn_adc_pkg::conversion_max_ns(Part) * ClkKhz / 1_000_000;  // BUSY falls, at most
+  localparam int unsigned WatchEnd   = ReadDuring ? Last + 3 : (1 << WatchBits) - 1;
+  localparam int unsigned Guard      = ReadDuring ? msn_adc_pkg::guard_clocks(Part, ClkKhz, Half, Words) : 1;
   localparam int unsigned Rests      = msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
   localparam int unsigned Start      = msn_pkg::clocks_of_ns(msn_adc_pkg::reset_ns(Part), ClkKhz) + Rests;
   localparam int unsigned StartBits  = msn_pkg::index_width(Start);
@@ -93,19 +101,23 @@ module formal_adc_spi #(
   logic [15:0]           command;
   logic                  sets_up, asks_setup, stores, wrong;
   logic                  busy_1, busy_2, busy_3, drop, bad, open, over, ready, tick, waits, gives_up, ends, resumes;
+  logic                  starts, early, read_due, begun, awaits;
+  logic [15:0]           since;  // clocks since a read started, at most all ones
   logic                  convert_due, lost_due, reset_due, convst_due, rises, falls;
   logic [31:0]           dropped, overrun, timeout, mistagged, over_range;
   assign tick     = cfg_enable_i && (Trigger ? trigger_i : ready && left == '0);
   assign waits    = HasBusy && (state == Rise || state == Fall);
-  assign gives_up = waits && watch == '1;
+  assign starts   = tick && state == Idle && (!ReadDuring || 32'(since) >= Guard);
+  assign early    = ReadDuring && falls && reading;
+  assign gives_up = waits && (32'(watch) == WatchEnd || early);
   assign rises    = busy_2 && !busy_3;
-  assign falls    = state == Fall && !busy_2;
-  assign ends     = state == Read && dut.done && word == '0;
-  assign resumes  = HasBusy ? falls && !gives_up : state == Idle && tick;
+  assign falls    = state == Fall && !busy_2 && !(awaits && wait_i);
+  assign ends     = (ReadDuring ? state != Setup : state == Read) && dut.done && word == '0;
+  assign resumes  = HasBusy ? falls && !gives_up : starts;
   assign sets_up  = SetupWords != 0 && ((state == Reset && start == '0) || (ends && bad));
   assign words    = (state == Setup) ? 8'(SetupWords) : 8'(Words);
   // A tagged answer is for the word before and has its number: the first word of a frame is only a command.
-  assign stores   = dut.word && state == Read && (!Tagged || word != '0);
+  assign stores   = dut.word && (ReadDuring || state == Read) && (!Tagged || word != '0);
   assign code     = Tagged ? word - 1'b1 : word;
   assign wrong    = Tagged && stores && 8'(dut.kept[KeptBits-1-:4]) != code;
   assign asks_setup = sets_up || (state == Setup && !(dut.done && word == '0));
@@ -119,25 +131,32 @@ module formal_adc_spi #(
     case (state)
       Reset:   if (start == '0) state <= (SetupWords != 0) ? Setup : Idle;
       Setup:   if (dut.done && word == '0) state <= Idle;
-      Idle:    if (tick) state <= HasBusy ? Rise : Read;
+      Idle:    if (starts) state <= HasBusy ? Rise : Read;
       Rise:    if (gives_up) state <= Idle; else if (rises) state <= Fall;
-      Fall:    if (gives_up) state <= Idle; else if (falls) state <= Read;
+      Fall:    if (gives_up) state <= Idle; else if (falls) state <= ReadDuring ? Idle : Read;
       default: if (ends) state <= (Tagged && bad) ? Setup : Idle;
     endcase
     if (dut.word) word <= (word == words - 1'b1) ? '0 : word + 1'b1;
-    if (convert_o) drop <= dut.pending;
+    if (ReadDuring ? read_o : convert_o) drop <= dut.pending;
+    if (ReadDuring && reading && busy_3 && !busy_2) drop <= 1'b1;
+    since  <= resumes ? 16'd1 : (since == '1) ? since : since + 1'b1;
+    awaits <= starts || (awaits && 32'(watch) != Last + 1);
+    begun  <= ReadDuring && (starts || (begun && !gives_up && !resumes));
     if (wrong) bad <= 1'b1;
     if (stores && word == words - 1'b1 && !drop && !bad && !wrong) open <= 1'b0;
-    if (ends || gives_up) open <= 1'b0;
-    if (state == Idle && tick) {open, bad} <= 2'b10;
+    if (ends || (gives_up && !ReadDuring)) open <= 1'b0;
+    if (ReadDuring ? resumes : starts) open <= 1'b1;
+    if (starts) bad <= 1'b0;
     over        <= out_valid_o && out_ready_i && out_user_o;
-    convert_due <= state == Idle && tick;
-    lost_due    <= (ends && (drop || bad)) || gives_up || (tick && state != Idle);
+    convert_due <= starts;
+    read_due    <= resumes;
+    lost_due    <= (ends && (ReadDuring ? open : drop || bad)) || gives_up || (tick && !starts);
     reset_due   <= HasReset && state == Reset && 32'(start) >= Rests;
-    convst_due  <= ((state == Idle && tick && HasBusy) || (waits && !gives_up && !falls)) && !watch[WatchBits-1];
-    dropped     <= dropped + 32'(ends && drop);
+    convst_due  <= (starts && HasBusy) || (waits && !gives_up && !falls && !watch[WatchBits-1] &&
+                                           !(ReadDuring && watch[WatchBits-2]));
+    dropped     <= dropped + 32'(ends && (ReadDuring ? open : drop));
     mistagged   <= mistagged + 32'(ends && bad && !drop);
-    overrun     <= overrun + 32'(tick && state != Idle);
+    overrun     <= overrun + 32'(tick && !starts);
     timeout     <= timeout + 32'(gives_up);
     over_range  <= over_range + 32'(over);
     if (rst_i) begin
@@ -149,6 +168,9 @@ module formal_adc_spi #(
       open        <= 1'b0;
       over        <= 1'b0;
       convert_due <= 1'b0;
+      read_due    <= 1'b0;
+      begun       <= 1'b0;
+      since       <= '1;
       lost_due    <= 1'b0;
       reset_due   <= HasReset;
       convst_due  <= 1'b0;
@@ -160,10 +182,13 @@ module formal_adc_spi #(
       assume (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.open_q == open && dut.watch_q == watch);
       assume (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3 && dut.ready_q == ready);
       assume (dut.left_q == left && 32'(dut.word_q) == 32'(word) && state <= Read && (SetupWords != 0 || state != Setup));
-      assume (reading == (state == Setup || state == Read) && (open || !waits));
+      assume (ReadDuring || (reading == (state == Setup || state == Read) && (open || !waits)));
+      assume (dut.begun_q == begun && dut.await_q == awaits && dut.guard_q == '0 && since == '1 &&
+              begun == (ReadDuring && waits));
     end
     if (started) begin
       assert (convert_o == convert_due && lost_o == lost_due && adc_reset_o == reset_due && adc_convst_o == convst_due);
+      assert (read_o == read_due && busy_o == busy_2);
       assert (ready_o == ready && dropped_o == dropped && overrun_o == overrun && timeout_o == timeout);
       assert (mistagged_o == mistagged && over_range_o == over_range);
       assert (dut.u_shift.start_i == (resumes || sets_up || (Selects && dut.done && word != '0)));
@@ -179,9 +204,45 @@ module formal_adc_spi #(
       assert (dut.left_q == left && 32'(dut.word_q) == 32'(word) && word < words && dut.over_q == over);
       assert (dut.start_q == start && (ready || (NeedsStart && state <= Idle)));
       if (!NeedsStart) assert (state != Reset);
-      if (state != Setup && state != Read) assert (word == '0);
+      if (!ReadDuring && state != Setup && state != Read) assert (word == '0);
+      assert (dut.begun_q == begun && dut.await_q == awaits && begun == (ReadDuring && waits));
+      assert (32'(dut.guard_q) == ((32'(since) < Guard) ? Guard - 32'(since) : 0));
       // A frame is open until its last word, and until its end if that word is not sent.
-      assert (open == (waits || (state == Read && (word != '0 || !adc_cs_n_o || drop || bad))));
+      if (!ReadDuring) assert (open == (waits || (state == Read && (word != '0 || !adc_cs_n_o || drop || bad))));
+    end
+  end
+
+  // ReadDuring, of a part whose words are in one CS frame. When a conversion starts during a read, the clocks until CS
+  // rises and until the shifter rests, against the shortest conversion of 3450 ns, at whose end BUSY passes two registers.
+  localparam int unsigned Bits = msn_adc_pkg::word_bits(Part);
+  localparam int unsigned Risen = 2 * Half * Bits * Words + 1;  // since, as CS has risen
+  localparam int unsigned Done = 2 * Half * (Bits * Words + 1);
+  if (ReadDuring) begin : gen_during
+    always_comb if (started && !rst_i) begin
+      if (convert_o && reading && 32'(since) < Risen) assert (Clock * 64'(Risen - 32'(since)) + 25_000 <= 3_450_000);
+      if (convert_o && reading) assert (Clock * 64'(Done - 32'(since)) < 3_450_000 + Clock);
+      if (dut.u_shift.start_i && state != Setup) assert (adc_cs_n_o && !was_low && !reading);
+    end
+    // Invariant: since counts the read's clocks, as words, bits, halves and clocks of the shifter do.
+    logic [31:0] place;
+    assign place = 32'(dut.u_shift.half_q) + 1;
+    always_comb if (started) begin
+      assert (state != Read && (reading || word == '0) && (!reading || state != Reset));
+      assert (reading == (32'(since) <= Done) && since != '0);
+      if (reading) begin
+        assert (32'(dut.u_shift.half_q) < Half && 32'(dut.u_shift.left_q) < Bits && !dut.u_shift.lead_q);
+        assert (adc_cs_n_o == (32'(since) >= Risen));
+        if (!adc_cs_n_o) assert (32'(since) + place == Half * (32'(dut.u_shift.second_q) + 1) + 1
+                                 + 2 * Half * (Bits * (32'(word) + 1) - 1 - 32'(dut.u_shift.left_q)));
+        else assert (32'(since) + place == Half * (32'(dut.u_shift.second_q) + 1) + Risen);
+        assert (dut.u_shift.word_o == (dut.u_shift.bit_end && !adc_cs_n_o && dut.u_shift.left_q == '0));
+      end
+      // A frame is open until its last word, and until its end if that word is not sent.
+      assert (!open || (reading && (!adc_cs_n_o || drop)));
+      assert (open || !reading || adc_cs_n_o);
+    end
+    if (Guard < 16) begin : gen_cover
+      always_comb if (started && !rst_i) cover (convert_o && reading);
     end
   end
 
@@ -192,22 +253,23 @@ module formal_adc_spi #(
   logic [Channels-1:0] held, meant;
   logic                comes;  // words of this frame may still arrive
   assign held  = dut.u_store.full_q;
-  assign comes = (waits || (state == Read && (word != '0 || !adc_cs_n_o))) && !drop && !convert_o;
+  assign comes = (ReadDuring ? reading && !adc_cs_n_o && !read_o :
+                  (waits || (state == Read && (word != '0 || !adc_cs_n_o))) && !convert_o) && !drop;
   for (genvar c = 0; c < Channels; c++) begin : gen_channel
     assign meant[c] = dut.u_store.in_valid_i && (32'(dut.u_store.in_word_i) == c % LaneWords || Tagged);
     always_comb if (started && comes && held[c]) assert (!Tagged && c % LaneWords < 32'(word));
   end
   always_comb if (started && !rst_i) assert (!(|(held & meant)));
 
-  // Invariant: the shifter runs only in the states Setup and Read.
+  // Invariant: the shifter runs only in the states Setup and Read, unless ReadDuring.
   always_comb begin
     if (started) begin
-      assert (reading == (dut.state_q == 3'd5 || dut.state_q == 3'd1));
+      if (!ReadDuring) assert (reading == (dut.state_q == 3'd5 || dut.state_q == 3'd1));
       assert (dut.state_q <= 3'd5);
       assert (reading || adc_cs_n_o);
       if (reading && adc_cs_n_o && !dut.CsPerChannel) assert (dut.word_q == '0);  // the rest after the last word
       if (dut.u_shift.word_o) assert (reading && !adc_cs_n_o && dut.u_shift.bit_end);
-      if (reading) assert (!adc_convst_o);
+      if (!ReadDuring && reading) assert (!adc_convst_o);
       if (!dut.HasBusy) assert (!adc_convst_o && dut.state_q != 3'd3 && dut.state_q != 3'd4);
       if (dut.SetupWords == 0) assert (dut.state_q != 3'd1);
     end

@@ -59,7 +59,7 @@ module formal_cop_accumulate #(
   assign places[0]  = place;
   assign columns[0] = column;
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
-    assign lanes[0][16*k+:16] = (row_ends && (Beats - 1) * Lanes + k >= Columns) ? '0 : in_data_i[16*k+:16];
+    assign lanes[0][16*k+:16] = (in_row_last_i && (Beats - 1) * Lanes + k >= Columns) ? '0 : in_data_i[16*k+:16];
   end
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
@@ -106,7 +106,9 @@ module formal_cop_accumulate #(
   assign carried = opens ? '0 : sum;
   assign mx      = Long'(sum) * Long'(2 * Beats * Lanes - Columns - 1) - 2 * a;
   assign my      = 2 * b - Long'(sum) * Long'(Rows - 1);
-  owed_sum #(.Count(Lanes), .Width(Wide), .Long(Long)) u_total (.data_i(lanes[Levels]), .sum_o(total), .moment_o(inner));
+  owed_sum #(.Count(Leaves), .Width(Wide), .Long(Long)) u_total (
+    .data_i((Leaves*16)'(lanes[Levels]) << (16 * (Leaves - Lanes))), .sum_o(total), .moment_o(inner)
+  );
   always_ff @(posedge clk_i) begin
     if (step && valid[Levels]) begin
       known   <= !gone[Levels];
@@ -152,7 +154,7 @@ module formal_cop_accumulate #(
   // Invariant: beats follow each other, and n of them have a sum of at most n Lanes 65535.
   logic [20:0]     expected [Levels+1], follows [Levels+1];
   logic [Wide-1:0] most;
-  assign most = Wide'(reached) * Wide'(Lanes * 65535);
+  assign most = ((Wide'(reached) * Wide'(Lanes)) << 16) - Wide'(reached) * Wide'(Lanes);
   assign expected[Levels] = known ? reached : '0;
   assign follows[Levels]  = known ? along : '0;
   for (genvar l = 1; l <= Levels; l++) begin : gen_chain
@@ -186,7 +188,7 @@ module formal_cop_accumulate #(
         assert (reached != '0 && reached <= 21'(Rows * Beats) && sum <= most && sum == Wide'(dut.sum));
         assert (MxBits'(a) << 1 == {dut.moment_a, 1'b0} && MyBits'(b) << 1 == {dut.moment_b, 1'b0});
         assert (along != '0 && along <= 21'(Beats) && along <= reached);
-        assert (row_sum * Long'(dut.Odd) == Long'(dut.row_total) && row_sum <= Long'(along) * Long'(Lanes * 65535));
+        assert (row_sum * Long'(dut.Odd) == Long'(dut.row_total) && row_sum <= ((Long'(along) * Long'(Lanes)) << 16) - Long'(along) * Long'(Lanes));
       end
     end
   end

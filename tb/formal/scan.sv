@@ -3,7 +3,8 @@
 // Never are two rows on; a row goes on only after all were off for a clock; the lines are as the plan switched them,
 // and off while it has nothing to do (proof `scan_plan` shows when a converter starts). A beat is taken when each
 // converter has a sample or is lost, with lost lanes 0 and marked; it goes to the frame if it has columns of the array
-// and is discarded otherwise; a frame's number and time are those of its first conversion.
+// and is discarded otherwise; a frame's number and time are those of its first conversion. Overlap clocks after a trigger
+// beats become those of its conversion; until then they are of the one before.
 
 module formal_scan #(
   parameter  int unsigned Rows       = 16,
@@ -13,6 +14,7 @@ module formal_scan #(
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned Hold       = 2,
   parameter  int unsigned Cycle      = 268,
+  parameter  int unsigned Overlap    = 0,
   parameter  int unsigned Depth      = 256,
   parameter  int unsigned SettleBits = 16,
   parameter  int unsigned PeriodBits = 32,
@@ -48,7 +50,7 @@ module formal_scan #(
   end
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .SampleBits(SampleBits), .Hold(Hold),
-    .Cycle(Cycle), .Depth(Depth), .SettleBits(SettleBits), .PeriodBits(PeriodBits)
+    .Cycle(Cycle), .Overlap(Overlap), .Depth(Depth), .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) dut (
     .clk_i, .rst_i, .cfg_i(cfg), .status_o(status), .now_i, .row_o, .group_o, .trigger_o,
     .in_valid_i, .in_ready_o, .in_data_i, .in_user_i, .in_lost_i
@@ -99,7 +101,10 @@ module formal_scan #(
   // Beats, up to the clock in which the buffer gets them.
   logic [Lanes-1:0]            lost;
   logic [Lanes*SampleBits-1:0] data;
-  logic                        beat, last, missed, come, wanted, opens, triggered;
+  logic                        beat, last, missed, come, wanted, opens, triggered, turn, of_first;
+  logic [31:0]                 after;     // clocks since the last trigger, at most all ones
+  logic [GroupBits-1:0]        of_group;  // of the conversion whose beats come
+  logic [47:0]                 begun;
   logic [7:0]                  channel, come_channel;
   logic [Width-1:0]            come_data, wanted_data;
   logic [31:0]                 losses, frames, place;
@@ -110,12 +115,33 @@ module formal_scan #(
   for (genvar l = 0; l < Lanes; l++) begin : gen_lane
     assign data[l*SampleBits+:SampleBits] = in_data_i[l*SampleBits+:SampleBits] & {SampleBits{!lost[l]}};
   end
+  if (Overlap == 0) begin : gen_apart
+    assign {turn, of_first, of_group} = {trigger_o, dut.done_first, dut.done_group};
+  end else begin : gen_overlap
+    assign turn = after == Overlap - 1;
+    always_ff @(posedge clk_i) begin
+      after <= rst_i ? '1 : trigger_o ? '0 : (after == '1) ? after : after + 1'b1;
+      if (triggered && dut.done_first) begun <= now_i;
+      if (turn) {of_first, of_group} <= {dut.done_first, dut.done_group};
+    end
+    always_comb begin  // invariant; both begin in the same state, which is arbitrary
+      if (!started) begin
+        assume (dut.sent_first == of_first && dut.sent_group == of_group && dut.begun == begun);
+        assume (dut.turn == turn && dut.trigger_q == triggered);
+      end
+      if (started) begin
+        assert (dut.gen_overlap.none_q == (after >= Overlap));
+        if (after < Overlap) assert (32'(dut.gen_overlap.left_q) == Overlap - 1 - after);
+        assert (dut.sent_first == of_first && dut.sent_group == of_group && dut.begun == begun);
+      end
+    end
+  end
   // A group's number that cannot occur is ignored where there is one group of another number than 2^n of channels.
   localparam bit Counts = Beats > Channels || (Channels & (Channels - 1)) == 0;
-  assign place = (Counts ? 32'(dut.done_group) * Channels : 32'd0) + 32'(come_channel);
+  assign place = (Counts ? 32'(of_group) * Channels : 32'd0) + 32'(come_channel);
   always_ff @(posedge clk_i) begin
     lost    <= in_lost_i | ((beat && last) ? '0 : lost);
-    channel <= trigger_o ? '0 : !beat ? channel : last ? '0 : channel + 1'b1;
+    channel <= turn ? '0 : !beat ? channel : last ? '0 : channel + 1'b1;
     missed  <= beat && last && lost != '0;
     losses  <= losses + 32'(missed);
 
@@ -124,12 +150,12 @@ module formal_scan #(
     come_data    <= {in_user_i | lost, data};
 
     wanted      <= come && place < Beats;
-    opens       <= dut.done_first && place == 32'd0;
+    opens       <= of_first && place == 32'd0;
     wanted_data <= come_data;
 
     triggered <= trigger_o;
-    if (triggered && dut.done_first) begin
-      moment <= now_i;
+    if ((Overlap == 0 ? triggered : turn) && dut.done_first) begin
+      moment <= (Overlap == 0) ? now_i : begun;
       timed  <= 1'b1;
       frames <= frames + 1'b1;
     end

@@ -62,13 +62,17 @@ def test_bursts_by_hand():
 
 def test_time_stamps_by_hand():
     """For each frame, the last convert start before its first sample was offered; one in the same clock is
-    too late."""
-    convert, sample, last = (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 1, 1)
-    waits = (0, 1, 0, 1)  # the last sample, not taken yet
-    idle, both = (0, 0, 0, 0), (1, 1, 1, 1)
+    too late. Read during the next conversion, the last one before its read began."""
+    convert, sample, last = (1, 0, 0, 0, 0), (0, 1, 0, 0, 0), (0, 1, 1, 1, 0)
+    waits = (0, 1, 0, 1, 0)  # the last sample, not taken yet
+    idle, both, read = (0, 0, 0, 0, 0), (1, 1, 1, 1, 0), (0, 0, 0, 0, 1)
     clocks = [idle, convert, idle, sample, waits, last, convert, convert, waits, both, last, last]
     #         0     1        2     3       4      5     6        7        8      9     10    11
     assert time_stamps(clocks) == [1, 7, 9, 9]
+    converts_and_reads, last_and_read = (1, 0, 0, 0, 1), (0, 1, 1, 1, 1)
+    clocks = [convert, read, convert, last, converts_and_reads, last, last_and_read, convert, last]
+    #         0        1     2        3     4                   5     6              7        8
+    assert time_stamps(clocks, read_during=True) == [0, 2, 2, 4]
 
 
 def test_references_of_a_carrier_by_hand():
@@ -174,3 +178,49 @@ def test_clocks_between_triggers_by_hand(part, channels, lanes, clk, sclk, cycle
     msn_adc_pkg."""
     twin = AdcSpi(part, channels=channels, lanes=lanes, clk_khz=clk, sclk_khz=sclk)
     assert (twin.cycle_clocks(), twin.hold_clocks()) == (cycle, hold)
+
+
+def read_during_fits(slot, half, words, extra, clk_khz):
+    """docs/adc.md in nanoseconds: whether a frame's read ends in time for the next conversion, for the
+    longest and the shortest conversion after one another. A fall of BUSY at an edge may be seen there."""
+    clock = Fraction(1_000_000, clk_khz)
+    for first, second in ((3450, 3450), (4200, 3450), (3450, 4200), (4200, 4200)):
+        for late in (0, 1):
+            seen = lambda ns, late: (ns // clock) if late or ns % clock else ns // clock - 1
+            start = seen(first, 1) + 2  # the clock before CS falls; BUSY passes two registers
+            ends = start + 1 + 2 * half * 16 * words  # CS rises
+            begins = slot + seen(second, late) + 2  # of the next read
+            if slot * clock + second - ends * clock < 25 or ends + 2 * half - 1 >= begins:
+                return False
+            # Two registers behind the last word, samples of more lanes one by one; the next tick is in Idle.
+            if ends + extra > begins or slot - 1 <= start:
+                return False
+    return True
+
+
+@pytest.mark.parametrize(
+    "channels, lanes, clk, sclk, half, cycle, after",
+    [
+        # 4.2 us are 420 clocks, 3 to CS; 64 bits of 8 clocks, a rest of 8; of these 344 + 2 may overlap BUSY
+        (8, 2, 100_000, 14_500, 4, 420 + 3 + 520 - 346, 1036),
+        (8, 2, 100_000, 17_000, 3, 500, 1036),  # 5 us: the transfer, 390 clocks, needs 467
+        # 64 bits of 2 clocks, 3425 ns are 85: 151; the last of 4 + 4 samples leaves as the next read begins
+        (8, 2, 25_000, 14_500, 1, 105 - 86 + 128 + 1 + 4, 268),
+        (8, 1, 25_000, 14_500, 1, 105 + 3 + 256 - 85, 367),
+        (5, 2, 50_000, 17_000, 2, 210 + 3 + 256 + 4 - 174, 521),
+        (3, 1, 8_000, 14_500, 1, 33 + 3 + 96 + 2 - 29, 135),
+        (1, 1, 20_000, 14_500, 1, 100, 261),  # 5 us
+    ],
+)
+def test_a_read_during_a_conversion_ends_in_time(channels, lanes, clk, sclk, half, cycle, after):
+    """The greater of cycle and transfer in place of their sum: no clock less will do, unless it is 5 us."""
+    sizes = {"part": AD7606, "channels": channels, "lanes": lanes, "clk_khz": clk, "sclk_khz": sclk}
+    twin = AdcSpi(**sizes, read_during=True)
+    assert (twin.half, twin.cycle_clocks(), AdcSpi(**sizes).cycle_clocks()) == (half, cycle, after)
+    given = half, (4 if lanes > 1 else channels), (channels - 4 if lanes > 1 else 0), clk
+    assert read_during_fits(cycle, *given)
+    assert Fraction(cycle * 1_000_000, clk) == 5000 or not read_during_fits(cycle - 1, *given)
+    assert twin.latencies() == AdcSpi(**sizes).latencies()  # from BUSY on nothing changes
+    # It is given up 3 clocks after the longest conversion; a sample comes after the turn to its conversion.
+    assert twin.watch_clocks == 4200 * clk // 1_000_000 + 4 < cycle
+    assert twin.overlap_clocks() == min(twin.watch_clocks, 3450 * clk // 1_000_000 + 2 + 32 * half)

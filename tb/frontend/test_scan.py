@@ -27,7 +27,7 @@ COUNTERS = ("dropped", "overrun", "held", "lost")
 
 
 def twin_of(dut):
-    names = NAMES | {"sample_bits": "SampleBits", "depth": "Depth"}
+    names = NAMES | {"sample_bits": "SampleBits", "depth": "Depth", "overlap": "Overlap"}
     return Scan(**{name: getattr(dut, port).value.to_unsigned() for name, port in names.items()})
 
 
@@ -80,15 +80,13 @@ class Matrix:
         self.free = self.clock + twin.hold
         codes = {}
         number = len(self.triggers)
-        # Uneven: the last sample may come as late as the cycle leaves time for the steps after it.
-        latest = self.clock + twin.cycle - twin.channels - 6
+        # Uneven: the last sample may come as late as the cycle leaves time for the steps after it. With an
+        # overlap, all this is as many clocks after the trigger, which was a clock ago.
+        first = self.clock + max(1, twin.overlap)
+        latest = first - 1 + twin.cycle - twin.channels - 6
         for lane in range(twin.lanes):
             lost = self.lose(number, lane)
-            at = (
-                self.clock + 1
-                if not self.uneven
-                else self.draw.randint(self.clock + 1, max(self.clock + 1, latest))
-            )
+            at = self.draw.randint(first, max(first, latest)) if self.uneven else first
             if lost:
                 self.losing[lane].append(at)
             for channel in range(twin.channels):
@@ -277,11 +275,12 @@ async def latency_is_the_twins(dut):
     matrix = await scan(dut, Settings(settle=2), START + twin.frame_clocks(2), uneven=False)
     matrix.check()
     first_beat = matrix.beats[0]
-    assert first_beat[0] == matrix.triggers[0][0] + 1 + LATENCY
+    first = max(1, twin.overlap)
+    assert first_beat[0] == matrix.triggers[0][0] + first + LATENCY
     frame = twin.rows * twin.beats
     channel = (twin.beats - 1) % twin.channels
     last_trigger = matrix.triggers[len(twin.places()) - 1][0]
-    assert matrix.beats[frame - 1][0] == last_trigger + 1 + channel + LATENCY
+    assert matrix.beats[frame - 1][0] == last_trigger + first + channel + LATENCY
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
@@ -444,6 +443,19 @@ SIZES = [
         marks=pytest.mark.long,
     ),
     {"Rows": 5, "Columns": 14, "Channels": 4, "Lanes": 2, "Cycle": 80, "SettleBits": 6, "Depth": 16},
+    # Samples come while the next conversion runs: a frame's time is that of a trigger before the last one.
+    {
+        "Rows": 5,
+        "Columns": 14,
+        "Channels": 4,
+        "Lanes": 2,
+        "Cycle": 80,
+        "SettleBits": 6,
+        "Depth": 16,
+        "Overlap": 79,
+    },
+    {"Rows": 1, "Columns": 1, "Channels": 1, "Cycle": 12, "SettleBits": 6, "Overlap": 11},
+    {"Rows": 3, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6, "Overlap": 2},
 ]
 
 
@@ -482,7 +494,10 @@ def test_scan_large(rows, columns, lanes, tests):
 def test_refuses_illegal_parameters():
     """Its own limit; the others belong to msn_scan_plan and msn_scan_buffer."""
     assert "SampleBits" in bench.refuses("scan", {"SampleBits": 1})
-    refused(Scan, {"sample_bits": 1}, {"depth": 16}, {"rows": 0}, {"lanes": 9})
+    for overlap in (1, 30):
+        assert "Overlap" in bench.refuses("scan", {"Cycle": 30, "Overlap": overlap})
+    wrong = [{"overlap": 30, "cycle": 30}, {"overlap": 1}, {"overlap": -1}]
+    refused(Scan, {"sample_bits": 1}, *wrong, {"depth": 16}, {"rows": 0}, {"lanes": 9})
 
 
 def test_twin_refuses_frames_of_another_size():

@@ -14,7 +14,7 @@ from cocotb.triggers import ReadOnly, RisingEdge, ValueChange
 
 import bench
 from frontend.test_scan import apply, counts
-from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11125, MAX11131, MCP3208, PARTS
+from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11123, MAX11131, MCP3208, PARTS
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_plan import Settings
 from parts import ad7606, ad7606c, max1112x, mcp3208
@@ -29,7 +29,7 @@ def twin_of(dut):
         *(value(name) for name in ("Rows", "Columns", "Lanes")),
         PARTS[value("Part")],
         *(value(name) for name in ("Channels", "AdcLanes", "ClkKhz", "SclkKhz", "SampleBits")),
-        *(value(name) for name in ("Depth",)),
+        *(value(name) for name in ("Depth", "ReadDuring")),
     )
 
 
@@ -45,6 +45,7 @@ class Board:
         self.number = -1  # of the conversion in progress
         self.converts, self.beats = [], []
         self.clock = 0
+        self.shared = False  # the pins of lane 0 drive all parts, which convert as long as they like
         # Time wraps around to 0 in the middle of the frames.
         self.wrap = 3 * self.scan.frame_clocks(settings.settle) // 2 + self.twin.adc.start_clocks()
 
@@ -91,14 +92,17 @@ class Board:
         self.parts = []
         for lane in range(twin.lanes):
             pin = lambda name, width=1, lane=lane: Line(getattr(dut, f"adc_{name}"), lane, driven, width)
+            own = lambda name, pin=pin: pin(name, lane=0) if self.shared else pin(name)
             code = lambda channel, time, lane=lane: self.code(lane, channel, time)
             if twin.part is MCP3208:
                 part = mcp3208.Mcp3208(pin("cs_n_o"), pin("sclk_o"), pin("mosi_o"), pin("miso_i"), code)
             elif twin.part.has_busy:
-                pins = [pin("cs_n_o"), pin("sclk_o"), *[pin("mosi_o")] * bool(twin.part.setup)]
-                pins += [pin("miso_i", twin.adc_lanes), pin("convst_o"), pin("busy_i"), pin("reset_o")]
+                pins = [own("cs_n_o"), own("sclk_o"), *[own("mosi_o")] * bool(twin.part.setup)]
+                pins += [pin("miso_i", twin.adc_lanes), own("convst_o"), pin("busy_i"), own("reset_o")]
                 model = ad7606c.Ad7606c if twin.part.setup else ad7606.Ad7606
-                part = model(*pins, code, conversion_ns=CONVERSION_NS[twin.part][min(lane, 1)])
+                lasts = None if self.shared else CONVERSION_NS[twin.part][min(lane, 1)]
+                part = model(*pins, code, conversion_ns=lasts)
+                part.draw.seed(lane)
             else:
                 pins = [pin(name) for name in ("cs_n_o", "sclk_o", "mosi_o", "miso_i")]
                 # A frame's first word samples too, but that code is not used.
@@ -223,6 +227,21 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
     dut._log.info(f"settle {settle}: frame {us[1]:.1f} us, first convert to last beat {us[0]:.1f} us")
 
 
+@bench.applies(lambda dut: twin_of(dut).part.has_busy and twin_of(dut).lanes > 1)
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def parts_that_share_their_lines_are_read_together(dut):
+    """One CS, SCLK, CONVST and RESET for all parts, each of which converts as long as it likes."""
+    settle = 5
+    made = Board(dut, Settings(settle))
+    made.shared = True
+    await made.start()
+    await made.run(made.twin.adc.start_clocks() + 3 * made.twin.scan.frame_clocks(settle))
+    await ReadOnly()
+    made.check()
+    assert len(made.beats) >= 2 * made.twin.rows * made.twin.scan.beats
+    assert len({part.draw.random() for part in made.parts}) == made.twin.lanes
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 @cocotb.parametrize(turn=range(4))
 async def settings_of_any_size(dut, turn):
@@ -339,6 +358,11 @@ BUILDS = [
         **{"Rows": 3, "Columns": 14, "Part": AD7606C.number, "Channels": 7, "Lanes": 2, "AdcLanes": 4},
         **{"ClkKhz": 8_000, "SclkKhz": 60_000},
     },
+    {
+        **{"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "AdcLanes": 2},
+        **{"ClkKhz": 100_000, "ReadDuring": 1},
+    },
+    {"Rows": 4, "Columns": 16, "Part": AD7606.number, "ClkKhz": 20_000, "Depth": 32, "ReadDuring": 1},
     {
         **{"Rows": 3, "Columns": 5, "Part": MAX11123.number, "Channels": 1, "ClkKhz": 100_000},
         "Depth": 8,

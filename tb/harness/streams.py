@@ -200,8 +200,7 @@ async def turn_over(
 async def counts_on(dut, *counters, most=1, span=400, wiggled=(), strobe=None, **inputs):
     """Put each of ``carries`` into each counter: with these inputs it must count on from there within
     ``span`` clocks, by at most ``most`` in a clock. ``strobe``: the block's register that makes it count, set
-    each time. Only where the block is built beside other sizes: a register that is a port of the top cannot be
-    put."""
+    each time. Only where the block is built beside other sizes: a port of the top cannot be put."""
     draw = random.Random(SEED)
     if "." not in dut._path:
         return

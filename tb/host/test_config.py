@@ -46,6 +46,7 @@ ARRAY = {
     },
     "array": {"newtons_per_count": 0.0037, "pitch_mm": 3.3},
 }
+DURING = ARRAY | {"adc": ARRAY["adc"] | {"read": "during"}}
 LEVEL_2 = CHANNELS | {"slip": CHANNELS["slip"] | {"level": 2}}
 RISES = CHANNELS | {
     "slip": CHANNELS["slip"] | {"contact_rises": True, "contact_level_v": 1.5, "release_level_v": 1.0}
@@ -195,10 +196,21 @@ def test_the_configurations_that_went_wrong_are_read(case):
         ("fingertip", "health", {"band": 3}, "health = false"),
         ("cop4", "cop_slip", {"lag_ms": 5000.0}, "lag"),
         ("cop4", "adc", {"part": "MCP3208"}, "AD7606"),
+        ("fingertip", "adc", {"read": "during"}, "'during' must be 'after'"),
+        ("cop4", "adc", {"read": "between"}, "read"),
     ],
 )
 def test_a_mistake_is_named(name, table, change, key):
     refused(name, table, key, **change)
+
+
+def test_a_read_during_the_next_conversion_is_a_parameter_and_has_the_times_of_its_frames():
+    """The smallest link takes the time of the last convert start, which may be the next frame's."""
+    channels = CHANNELS | {"adc": CHANNELS["adc"] | {"part": "AD7606", "read": "during"}}
+    for base in (channels, DURING):
+        assert read(base).parameters["ReadDuring"] == 1
+        assert "ReadDuring" not in read(base, "adc", read="after").parameters
+    refused(channels, "link", "slip_only", slip_only=True, registers=False)
 
 
 def test_hop_is_the_windows_where_none_is_given():
@@ -235,6 +247,8 @@ def test_levels_that_undo_each_other_are_refused(name, key, good, bad):
         # A place takes 106 clocks of conversion, 3, and 49 bits of 2, but at least the watchdog's 256 + 7;
         # five rows of one place: 25 MHz / 1315 and / 1314.
         (ARRAY, 25.0, "adc", "rate_hz", 19_011.4, 19_025.9),
+        # Read during the next conversion, the part's own 5 us are enough: five rows of 125 clocks.
+        (DURING, 25.0, "adc", "rate_hz", 40_000.0, 40_033.0),
         # 70 MHz: 65534.98 and 65535.05 clocks, rounded up.
         (ARRAY, 70.0, "adc", "settle_us", 936.214, 936.215),
         # A quarter of 13.37 MHz.

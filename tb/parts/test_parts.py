@@ -160,6 +160,8 @@ AD7606 = {
     "t_convst_high": ({"high": 25}, {"high": 25 - PS}),
     "t_convst_low": ({"high": 5975}, {"high": 5975 + PS}),  # of the 6000 from one CONVST to the next
     "t_cycle": ({"cycle": 5000, "bits": 4}, {"cycle": 5000 - PS, "bits": 4}),
+    # A read of 50 + 16 * 100 ns that spans CONVST and ends 6000 - 1650 - read before BUSY falls again.
+    "t_cs_busy": ({"read": 4325}, {"read": 4325 + PS}),
     "t_sclk": ({"period": 68.966, "sclk_low": 34}, {"period": 68.965, "sclk_low": 34}),
     "t_sclk_low": ({"sclk_low": 40}, {"sclk_low": 40 - PS}),
     "t_sclk_high": ({"sclk_low": 60}, {"sclk_low": 60 + PS}),
@@ -179,9 +181,11 @@ def test_ad7606_reads_from_busy_falling_on(monkeypatch):
     assert [str(report) for report in edges.reports] == ["rule: BUSY falls during a read"]
 
 
-def test_ad7606_answers_after_its_delays(monkeypatch):
-    """0xA5C3 on DOUTA, 0x5A3C on DOUTB: 30 ns after CS, and wrong from 7 to 27 ns after SCLK."""
-    _, model, miso, begin, _ = ad7606_run(monkeypatch)
+@pytest.mark.parametrize("read", [100, 3000])
+def test_ad7606_answers_after_its_delays(monkeypatch, read):
+    """0xA5C3 on DOUTA, 0x5A3C on DOUTB: 30 ns after CS, and wrong from 7 to 27 ns after SCLK; the same
+    during the next conversion, which runs from 2550 to 6000 ns after the end of the first."""
+    _, model, miso, begin, _ = ad7606_run(monkeypatch, read=read)
     assert model.frames[0][0] == 0xA5C3
     before = None
     for number, bits in enumerate(zip(f"{0xA5C3:016b}", f"{0x5A3C:016b}")):
@@ -218,7 +222,8 @@ def test_ad7606_rules(monkeypatch):
     said = lambda **given: set(map(str, ad7606_run(monkeypatch, **given)[0].reports))
     assert "rule: CONVST rises before a RESET" in said(convert_before=True)
     assert "rule: CONVST rises during a conversion" in said(cycle=3000)
-    assert "rule: CONVST rises during a read" in said(cycle=5500, read=1900)
+    assert said(cycle=5500, read=1900) == set()  # a read spans CONVST
+    assert said(read=4351) == {"rule: BUSY falls during a read"}
     assert "mode: SCLK is low as CS falls" in said(sclk_rest=0)
 
 
@@ -297,6 +302,8 @@ AD7606C = {
     "t_sclk": ({"period": 16.667, "sclk_low": 8}, {"period": 16.666, "sclk_low": 8}),
     "t_sclk_low": ({"sclk_low": 20}, {"sclk_low": 20 - PS}),
     "t_sclk_high": ({"sclk_low": 30}, {"sclk_low": 30 + PS}),
+    # Two words of 820 ns and 60 between them end 6000 - 1700 - read before BUSY falls again.
+    "t_cs_busy": ({"read": 4275}, {"read": 4275 + PS}),
     "t_css": ({"css": 2}, {"css": 2 - PS}),
     "t_csh": ({"csh": 22}, {"csh": 22 - PS}),
     "t_ds": ({"ds": 8}, {"ds": 8 - PS}),

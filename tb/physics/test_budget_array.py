@@ -170,6 +170,7 @@ def test_the_command_prints_what_the_function_finds():
         ("--no-health", {"health": False}),
         ("--no-tare", {"tare": False}),
         ("--sclk-khz 8000", {"sclk_khz": 8000}),
+        ("--read during", {"read_during": True}),
         ("--settle-us 2.5", {"settle_us": 2.5}),
         ("--settle-share 0.02", {"settle_share": 0.02}),
         ("--volts 10", {"volts": 10.0}),

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from meissner import scenes
+from meissner.pool import Spread
 from meissner.scenes.grip import run as of_cop_slip
 from meissner.scenes.hand import run as of_hand
+from meissner.scenes.hand import scene as of_hand_scene
 from meissner.scenes.mesh import run as of_mesh
 from meissner.scenes.rubber import run as of_rubber
 from meissner.scenes.shear import judge as of_shear
@@ -40,13 +42,13 @@ def test_the_summary_of_a_hand(monkeypatch):
         ]
     )
     asked = []
-    monkeypatch.setattr(of_hand, "AT_ONCE", 2)
+    monkeypatch.setattr(of_hand_scene, "AT_ONCE", 2)
     monkeypatch.setattr(
         of_hand.loop, "hold", lambda _, condition, seeds, __: asked.append((condition, *seeds)) or next(found)
     )
     scene = scenes.load("grip_disturb")
     scene = dataclasses.replace(scene, seeds=3, conditions=scene.conditions[:3])
-    summary = of_hand.run(scene, "fixed", 5, False, iter).summary
+    summary = of_hand.run(scene, "fixed", 5, False, Spread()).summary
     assert asked == [(one, *seeds) for one in scene.conditions for seeds in ((5, 6), (7,))]
     rate = summary["dropped_rate"]
     assert (rate["count"], rate["runs"], summary["runs"], summary["seeds"]) == (4, 9, 9, [5, 7])
@@ -114,7 +116,7 @@ def test_the_summary_of_slips(of, name, monkeypatch):
         given = [one for n, verdict in enumerate(given) for one in (verdict | {"false_alarms": n}, verdict)]
     given = iter(given)
     monkeypatch.setattr(of, "judge", lambda *_: next(given))
-    summary = of.run(scene, "fixed", 2, False, iter).summary
+    summary = of.run(scene, "fixed", 2, False, Spread()).summary
     rates = [summary[key] for key in ("missed_rate", "false_alarm_rate")]
     assert [(rate["count"], rate["runs"]) for rate in rates] == [(1, 9), (2, 9)]
     counts = [summary[key] for key in ("missed", "late", "false_alarms", "lead_ms_min", "runs")]

@@ -1,18 +1,22 @@
 """msn_sensor_channels with frames on the stream: every sample at its place, a frame held until the previous
 one is done, its time that of its first beat, settings changed only between frames; without the gate nothing
-is held. At the pins: tb/frontend/test_acquire.py and tb/core."""
+is held. At the pins of an AD7606, read after or during the next conversion, a frame's time is its own convert
+start; other parts: tb/frontend/test_acquire.py and tb/core."""
 
 import random
 
 import cocotb
 import numpy as np
 import pytest
+from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
 from meissner.twins.frontend.acquire import Acquire
+from meissner.twins.frontend.adc_spi import AD7606
 from meissner.twins.sensor.sensors import sensor_channels
+from parts.ad7606 import Ad7606
 
 CHANNELS, FRAMES = 3, 24
 
@@ -75,6 +79,11 @@ async def run(dut, given, gap=0.0, stall=0.0, busy=0, pending=0.0):
     return out, times, commits
 
 
+def stream(dut):
+    return not bench.read(dut.Adc)
+
+
+@bench.applies(stream)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(pace=[(0.0, 0.0, 1), (0.3, 0.0, 9), (0.0, 0.5, 1), (0.4, 0.4, 23)], pending=[0.0, 0.05])
 async def frames_come_one_at_a_time_with_their_time(dut, pace, pending):
@@ -92,6 +101,55 @@ async def frames_come_one_at_a_time_with_their_time(dut, pace, pending):
     assert all(taken % CHANNELS == 0 and left == 0 for taken, left in commits), commits
 
 
+@bench.applies(lambda dut: not stream(dut))
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(stall=[0, 150])
+async def a_frame_has_its_own_convert_start(dut, stall):
+    """At the shortest period: read during the next conversion, that has begun before a frame's first sample
+    comes; now and then the follower waits ``stall`` clocks in the middle of a frame."""
+    during = bool(bench.read(dut.ReadDuring))
+    twin = Acquire(AD7606, CHANNELS, clk_khz=25_000, read_during=during)
+    period, codes = twin.adc.safe_period(), []
+
+    def code(channel, _):
+        codes.append((len(codes) * 2654435761 >> 7) % 65535 + 1)
+        return codes[-1] % 65536
+
+    inputs = dict.fromkeys(("pending_i", "busy_i", "adc_miso_i", "adc_busy_i", "in_valid_i", "now_i"), 0)
+    for name, value in (inputs | {"rst_i": 1, "sample_ready_i": 1}).items():
+        getattr(dut, name).value = value
+    dut.cfg_i.value = members.word("cfg", {"adc_enable": 1, "adc_period": period})
+    Clock(dut.clk_i, 40, unit="ns").start()
+    await bench.clocks(dut, 3)
+    names = ("cs_n_o", "sclk_o", "miso_i", "convst_o", "busy_i", "reset_o")
+    pins = [getattr(dut, f"adc_{name}") for name in names]
+    Ad7606(*pins, code)
+    await bench.clocks(dut, 3)
+    dut.rst_i.value = 0
+    converts, found, overlaps, still = [], [], 0, 0
+    for clock in range(twin.adc.start_clocks() + 30 * period):
+        dut.now_i.value = now = bench.time(clock)
+        dut.sample_ready_i.value = int(still == 0)
+        await ReadOnly()
+        if dut.convert_o.value == 1:
+            converts.append(now)
+        if dut.sample_valid_o.value == 1 and not still:
+            ident, value = bench.read(dut.sample_id_o), bench.as_signed(bench.read(dut.sample_data_o), 17)
+            if ident:  # time_o holds from the clock after the first sample
+                found[-1] = (*found[-1][:1], bench.read(dut.time_o))
+            else:
+                overlaps += len(converts) - len(found) > 1
+                found.append((value, None))
+            still = stall * (ident == 1 and len(found) % 5 == 0)
+        still = max(0, still - 1)
+        await RisingEdge(dut.clk_i)
+    starts = {twin.samples([first])[0][0]: now for first, now in zip(codes[::8], converts)}
+    assert [starts[value] for value, _ in found[:-1]] == [time for _, time in found[:-1]]
+    assert len(found) > 20 and len(starts) == len(converts)
+    assert (overlaps > 15) == during or stall
+
+
+@bench.applies(stream)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_converter_that_is_not_there_rests(dut):
     await bench.start(
@@ -111,6 +169,13 @@ EVIDENCE = {
 }
 
 
-@pytest.mark.parametrize("gate", [1, 0])
-def test_sensor_channels(gate):
-    bench.run("sensor", "sensor_channels", {"Adc": 0, "Channels": CHANNELS, "Gate": gate})
+PINS = {"Adc": 2, "ClkKhz": 25_000, "SclkKhz": 14_500}
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"Adc": 0}, {"Adc": 0, "Gate": 0}, PINS | {"ReadDuring": 0}, PINS | {"ReadDuring": 1}],
+    ids=lambda given: "-".join(map(str, given.values())),
+)
+def test_sensor_channels(given):
+    bench.run("sensor", "sensor_channels", {"Channels": CHANNELS, "Gate": 1} | given)

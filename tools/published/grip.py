@@ -18,7 +18,8 @@ from meissner import interval, scenes
 from meissner.builds import toolchain
 from meissner.physics import plate, rubber, stepped
 from meissner.scenes.hand import loop
-from meissner.scenes.hand.run import AT_ONCE, PARTS, joined, statistics
+from meissner.scenes.hand.run import PARTS, joined, statistics
+from meissner.scenes.hand.scene import batches
 from meissner.scenes.results import table
 
 PAGE = toolchain.ROOT / "docs/grip_scenes.md"
@@ -42,8 +43,7 @@ OWED = (  # one constant that nobody published at a time
 def rows(scene, runs, number, engine="fixed", first=1):
     """Yield the row of a condition after each batch of seeds from ``first`` on; the last row covers all."""
     condition, held = scene.conditions[number], []
-    for at in range(first, first + runs, AT_ONCE):
-        seeds = range(at, min(at + AT_ONCE, first + runs))
+    for seeds in batches(condition, range(first, first + runs)):
         held.append(loop.hold(scene, condition, seeds, PARTS[engine]))
         yield statistics(condition, joined(held))
 

@@ -17,6 +17,7 @@ import numpy as np
 from meissner import engines, scenes
 from meissner.calibration import Calibration
 from meissner.engines.features import function
+from meissner.pool import Spread
 from meissner.scenes.sensor import runner
 from meissner.twins.cop.cop_slip import CopSlipRegisters
 from meissner.twins.slip.shear_speed import ShearSettings
@@ -89,8 +90,8 @@ def others(scene, engine):
 def ms_per_s(scene, engine, calls=None):
     """Milliseconds of a run of the scene, or of ``calls`` on its samples, per simulated second."""
     run = runner(scene.sensor).run
-    seconds = run(scene, engine, 1, None, list).summary["seconds_simulated"]
-    calls = [lambda: run(scene, engine, 1, None, list)] if calls is None else calls
+    seconds = run(scene, engine, 1, None, Spread()).summary["seconds_simulated"]
+    calls = [lambda: run(scene, engine, 1, None, Spread())] if calls is None else calls
     return 1e3 * sum(map(processor_s, calls)) / seconds
 
 

@@ -5,8 +5,9 @@
 import json
 import shutil
 
+from meissner import pool
 from meissner.builds.toolchain import ROOT
-from meissner.tradeoff import page, sweep, table, worker
+from meissner.tradeoff import page, sweep, table
 from meissner.tradeoff.command import RECORD
 from version import VERSION
 
@@ -68,7 +69,7 @@ def write(heading):
     """Sweep every axis and write the page, its pictures and the record; returns the page's path."""
     axes = list(table.every().values())
     FOLDER.mkdir(parents=True, exist_ok=True)
-    rows = sweep.run(axes, FOLDER, workers=worker.cores())
+    rows = sweep.run(axes, FOLDER, workers=pool.cores())
     page.write(FOLDER, axes, rows, {})
     PICTURES.mkdir(exist_ok=True)
     for axis in axes:

@@ -90,6 +90,7 @@ def _array(arguments):
     names = "converters settle_us channels sclk_khz bits_per_clock settle_share volts source_ohm adc_lanes"
     given = {name: getattr(arguments, name) for name in names.split()}
     given |= {"carrier": carrier, "health": not arguments.no_health, "tare": not arguments.no_tare}
+    given["read_during"] = arguments.read == "during"
     size = arguments.rows, arguments.columns, arguments.clock
     if arguments.adc == "all":
         found, tell = array.of_parts(*size, **given), array.tell_parts

@@ -45,16 +45,30 @@ def lanes_of(part, channels):
 
 
 def scan_of(
-    rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None, adc_lanes=None
+    rows,
+    columns,
+    part,
+    clk_khz,
+    converters,
+    channels=None,
+    sclk_khz=None,
+    carrier=None,
+    adc_lanes=None,
+    read_during=False,
 ):
     """The scan of such an array; ``carrier``: arguments of ScanDemod, or None for taxels read without a
-    carrier, through ``channels`` inputs of each converter on ``adc_lanes`` lines, None: as ``lanes_of``."""
+    carrier, through ``channels`` inputs of each converter on ``adc_lanes`` lines, None: as ``lanes_of``;
+    ``read_during``: the next conversion."""
+    if read_during and not part.has_busy:
+        raise ValueError(f"read = during must be after for the {part.name}, which has no BUSY")
     if carrier is not None:
         if adc_lanes not in (None, 1):
             raise ValueError(f"adc-lanes = {adc_lanes} must be 1 with a carrier")
         return ScanDemod(rows, columns, converters, part, clk_khz, sclk_khz, **carrier)
     adc_lanes = lanes_of(part, channels) if adc_lanes is None else adc_lanes
-    return ScanAdc(rows, columns, converters, part, channels, adc_lanes, clk_khz, sclk_khz)
+    return ScanAdc(
+        rows, columns, converters, part, channels, adc_lanes, clk_khz, sclk_khz, read_during=read_during
+    )
 
 
 def terms(array, settle, **given):
@@ -90,6 +104,7 @@ def budget(
     settle_share=None,
     volts=None,
     source_ohm=SOURCE_OHM,
+    read_during=False,
 ):
     """The latency of the array as a dict. ``converters`` None: the fewest with which a frame meets BUDGET_S,
     else 8; ``channels`` None: the number of inputs of each that takes the least time, the fewest on a tie.
@@ -120,8 +135,8 @@ def budget(
         return min(every, key=lambda found: found["total_clocks"])
 
     def found_with(lanes, channels):
-        clk_khz = round(clock_hz / 1e3)
-        scan = scan_of(rows, columns, part, clk_khz, lanes, channels, sclk_khz, carrier, adc_lanes)
+        sizes = rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz
+        scan = scan_of(*sizes, carrier, adc_lanes, read_during)
         array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock=bits_per_clock)
         settling = Settling(scan, volts, settle_share, source_ohm)
         settle = settling.clocks(1.0 if carrier is not None and settle_us is None else settle_us)
@@ -147,6 +162,7 @@ def measured(array, settling, settle, clock_hz, converters, channels):
         "columns": array.columns,
         "adc": part.name,
         "converters": converters,
+        "read_during": getattr(array.scan, "read_during", False),
         "channels": channels,
         "clock_hz": clock_hz,
         "settle_clocks": settle,
@@ -173,7 +189,7 @@ def of_config(config):
     names = "settle_us channels sclk_khz settle_share volts source_ohm"
     given = {name: getattr(adc, name) for name in names.split()}
     given |= {"health": config.array.health, "tare": config.array.tare, "adc_lanes": adc.lanes}
-    least = budget(*config.shape, clock_hz, config.part, **given)
+    least = budget(*config.shape, clock_hz, config.part, **given, read_during=config.scan.read_during)
     return found | {"config": config.name, "converters_needed": least["converters_needed"]}
 
 
@@ -221,6 +237,7 @@ def tell(found):
     kind = f"{found['converters']} {found['adc'].upper()}" + ("s" if found["converters"] > 1 else "")
     if found["channels"] is not None:
         kind += f" with {found['channels']} input{'s' * (found['channels'] > 1)} used"
+    kind += ", read during the next conversion" * found["read_during"]
     total, needs = found["total_clocks"], found["converters_needed"]
     verdict = f"from first convert to CoP {total * clock_us:.3f} us, "
     verdict += "within 1 ms" if found["within_1_ms"] else "above 1 ms"

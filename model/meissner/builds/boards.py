@@ -106,6 +106,7 @@ def sizes(parameters: dict[str, int], slip_pins: int = 0) -> dict[str, int]:
     converters = parameters.get("Converters", 1)
     found = {
         "CLK_KHZ": parameters["ClkKhz"],
+        "ADC": parameters["Adc"],
         "ROWS": parameters.get("Rows", 1),
         "ROW_PINS": pins.row_pins(parameters),
         "CONVERTERS": converters,

@@ -124,7 +124,9 @@ class Config:
         """Twin of the scan, for an array."""
         adc = self._array_adc
         return ScanAdc(
-            *(*self.shape, adc.converters, self.part), *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz)
+            *(*self.shape, adc.converters, self.part),
+            *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz),
+            read_during=adc.read == "during",
         )
 
     @cached_property
@@ -133,7 +135,7 @@ class Config:
         if self.array:
             return self.scan.adc
         sizes = (self.part, self.channels, self.adc.lanes, self.clk_khz, self.adc.sclk_khz)
-        return AdcSpi(*sizes, self.sample_bits)
+        return AdcSpi(*sizes, self.sample_bits, read_during=self.adc.read == "during")
 
     @cached_property
     def input(self) -> Converter:
@@ -233,6 +235,7 @@ class Config:
         array, slip, link = self.array, self.slip, self.link
         found = {"Adc": self.part.number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc.sclk_khz or 0}
         found |= {"AdcLanes": self.adc.lanes, "BaudHz": link.baud}
+        found |= {"ReadDuring": 1} if self.adc.read == "during" else {}
         if array:
             (rows, columns), adc = self.shape, self._array_adc
             found |= {"Array": 1, "Rows": rows, "Columns": columns, "Converters": adc.converters}
@@ -299,6 +302,10 @@ class Config:
             FEATURES[name].check(self)
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
+        if self.link.slip_only and self.adc.read == "during":
+            raise ValueError(
+                "[link]: slip_only must go with [adc]: read = 'after', as it sends the last convert start"
+            )
         if self.link.slip_pins and self.kind != "channels":
             raise ValueError("[link]: slip_pins must go with single channels")
         if self.link.images and not self.array:

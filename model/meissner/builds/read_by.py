@@ -1,6 +1,6 @@
 """The keys of a converter in builds and scenes (docs/config.md)."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import Meta
 
@@ -11,17 +11,22 @@ Eight = Annotated[int, Meta(ge=1, le=8)]
 
 
 class ReadBy(Table, frozen=True, kw_only=True):
-    """``volts``: full scale; ``sclk_khz``: the part's own where it is not given."""
+    """``volts``: full scale; ``sclk_khz``: the part's own where it is not given; ``read``: whether a
+    conversion is read before the next one starts, or during it."""
 
     part: str
     volts: Positive
     lanes: int = 1
     sclk_khz: Annotated[int, Meta(gt=0)] | None = None
+    read: Literal["after", "during"] = "after"
 
     def __post_init__(self) -> None:
         from meissner.twins.frontend.adc_spi import PARTS  # a scene that is not scanned needs no twin of it
 
-        one_of("part", self.part, [part.name.upper() for part in PARTS.values()])
+        parts = {part.name.upper(): part for part in PARTS.values()}
+        one_of("part", self.part, list(parts))
+        if self.read == "during" and not parts[self.part].has_busy:
+            raise ValueError(f"read = 'during' must be 'after' for part = '{self.part}', which has no BUSY")
 
 
 class Scanning(ReadBy, frozen=True, kw_only=True):

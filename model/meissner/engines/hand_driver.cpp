@@ -56,9 +56,13 @@ int64_t hand_wait(Core *core, int64_t clocks) {
   return meissner::kFailed;
 }
 
+}  // extern "C"
+
+namespace {
+
 // Send the frames of a cycle, one every `every` clocks, then run to its word. Returns the number of decisions, which
 // all came at least four clocks before the word, or kFailed if one was late or a frame was not taken in time.
-int64_t hand_next(Core *core, const int32_t *codes, int64_t frames, int32_t channels, int64_t every, int64_t clocks,
+int64_t one_cycle(Core *core, const int32_t *codes, int64_t frames, int32_t channels, int64_t every, int64_t clocks,
                   uint8_t *flags, int64_t room, int32_t *word) {
   auto &top = core->top;
   Decisions decisions{flags, room, 0, top};
@@ -88,6 +92,33 @@ int64_t hand_next(Core *core, const int32_t *codes, int64_t frames, int32_t chan
   const uint32_t raw = top.grip_word_o;
   *word = static_cast<int32_t>(raw << 15) >> 15;
   return count;
+}
+
+}  // namespace
+
+extern "C" {
+
+// The first of `cycles` cycles with these `codes`: until a word is not the `expected` one.
+// `answers`, of each cycle: the word, then the registers at four `addresses`. `decisions`: their number, in `flags`.
+// Returns the number of cycles, or kFailed.
+int64_t hand_next(Core *core, const int32_t *codes, int64_t cycles, int64_t frames, int32_t channels, int64_t every,
+                  int64_t clocks, const int32_t *addresses, const int64_t *expected, uint8_t *flags, int64_t room,
+                  int64_t *decisions, int64_t *answers) {
+  *decisions = 0;
+  for (int64_t cycle = 0; cycle < cycles; ++cycle, codes += frames * channels) {
+    int32_t word = 0;
+    const int64_t count = one_cycle(core, codes, frames, channels, every, clocks, flags + *decisions,
+                                    room - *decisions, &word);
+    if (count < 0) return meissner::kFailed;
+    *decisions += count;
+    *answers++ = word;
+    for (int i = 0; i < 4; ++i) {
+      *answers = meissner::access(*core, false, addresses[i], 0);
+      if (*answers++ < 0) return meissner::kFailed;
+    }
+    if (word != expected[cycle]) return cycle + 1;
+  }
+  return cycles;
 }
 
 }  // extern "C"

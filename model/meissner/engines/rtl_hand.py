@@ -9,11 +9,13 @@ import numpy as np
 from meissner.arrays import Bools, Ints
 from meissner.engines.verilated import library
 from meissner.twins.actuate.actuate import ActuateConfig
-from meissner.twins.actuate.grip import Command
 from meissner.twins.link.registers import ADDRESSES
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 
 EVERY = 8  # clocks from frame to frame: enough for two samples and their decisions
+_ANSWERS = (ctypes.c_int32 * 4)(
+    *(ADDRESSES[f"grip.{n}"] for n in ("increment", "command", "fault", "faulty"))
+)
 REST = 32  # further clocks of a cycle, for register reads and the last decision
 
 
@@ -27,7 +29,8 @@ def _open(path: Path) -> ctypes.CDLL:
     lib.hand_read.argtypes = [pointer, number]
     lib.hand_wait.argtypes = [pointer, long]
     lib.hand_next.argtypes = [
-        *(pointer, pointer, long, number, long, long, pointer, long, ctypes.POINTER(number)),
+        *(pointer, pointer, long, long, number, long, long, pointer, pointer, pointer, long),
+        *(ctypes.POINTER(long), pointer),
     ]
     for name in ("hand_write", "hand_read", "hand_wait", "hand_next"):
         getattr(lib, name).restype = long
@@ -79,25 +82,27 @@ class Core:
     def __getitem__(self, name: str) -> int:
         return self._done(self._lib.hand_read(self._core, ADDRESSES[name]))
 
-    def next(self, codes: Ints) -> tuple[Bools, Bools, Command]:
-        """(over [fingers, details], ends [details], Command) of a cycle with ``codes`` [fingers, frames]."""
+    def next(self, codes: Ints, expected: Ints) -> tuple[Bools, Bools, Ints]:
+        """The first cycles of ``codes`` [fingers, samples]: until an increment is not that of ``expected``
+        [cycles].
+
+        (over [fingers, details], ends [details], word, increment, command, fault and faulty fingers, one bit
+        each [5, cycles]).
+        """
         samples = np.ascontiguousarray(codes.T, dtype=np.int32)
         flags = np.empty(samples.size, dtype=np.uint8)
-        word = ctypes.c_int32()
-        count = self._done(
+        wanted = np.ascontiguousarray(expected, dtype=np.int64)
+        answers, count = np.empty((len(wanted), 5), dtype=np.int64), ctypes.c_int64()
+        done = self._done(
             self._lib.hand_next(
-                *(self._core, samples.ctypes.data, len(samples), self.fingers, EVERY, self.period),
-                *(flags.ctypes.data, flags.size, ctypes.byref(word)),
+                *(self._core, samples.ctypes.data, len(wanted), len(samples) // len(wanted), self.fingers),
+                *(EVERY, self.period, _ANSWERS, wanted.ctypes.data, flags.ctypes.data, flags.size),
+                *(ctypes.byref(count), answers.ctypes.data),
             )
         )
-        found = flags[:count].reshape(-1, self.fingers)
+        found = flags[: count.value].reshape(-1, self.fingers)
         if (found >> 2 != np.arange(self.fingers)).any():
             raise RuntimeError("the core's decisions came out of order")
-        increment = self["grip.increment"]
-        increment -= (increment >> 16) << 17
-        faulty = self["grip.faulty"]
-        answer = Command(
-            *(increment, self["grip.command"], self["grip.fault"], True, word.value),
-            tuple(bool(faulty >> finger & 1) for finger in range(self.fingers)),
-        )
-        return (found & 1).T.astype(bool), (found[:, 0] & 2).astype(bool), answer
+        answers = answers[:done].T
+        answers[1] -= (answers[1] >> 16) << 17
+        return (found & 1).T.astype(bool), (found[:, 0] & 2).astype(bool), answers

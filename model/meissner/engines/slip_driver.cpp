@@ -2,6 +2,8 @@
 // decision out. Packets are dropped.
 #include "Vmsn_core.h"
 #include "Vmsn_core___024root.h"
+#include <ctime>
+
 #include "adc_parts.hpp"
 #include "bus.hpp"
 #include "driver.hpp"
@@ -54,6 +56,28 @@ void core_delete(Core *core) { delete core; }
 int64_t core_write(Core *core, int32_t address, uint32_t data) { return meissner::access(*core, true, address, data); }
 
 int64_t core_read(Core *core, int32_t address) { return meissner::access(*core, false, address, 0); }
+
+// Processor seconds of a loop that only sends samples of one channel and evaluates the model, for comparison with
+// core_slip (tools/published/speed.py); `clocks`: how many they took.
+double core_bare(Core *core, const int32_t *samples, int64_t count, uint32_t sample_bits, int64_t *clocks) {
+  auto &top = core->top;
+  const std::clock_t began = std::clock();
+  top.in_valid_i = 1;
+  top.in_id_i = 0;
+  top.in_last_i = 1;
+  *clocks = 0;
+  for (int64_t k = 0; k < count; ++k) {
+    top.in_data_i = meissner::low_bits(samples[k], sample_bits);
+    bool taken;
+    do {
+      taken = top.in_ready_o;
+      top.rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;  // as Driver::clock
+      top.eval();
+      ++*clocks;
+    } while (!taken);
+  }
+  return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+}
 
 // Send `frames` frames of `channels` samples, each as soon as the core takes it, and collect every decision:
 // p2p, and flags = state | over << 3 | end << 4 | raised << 5. `moving` has one byte per frame, or is null.

@@ -1,5 +1,6 @@
 """The display of ``meissner live``: the newest values, as lines for a pipe, a picture for a terminal."""
 
+import time
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -54,6 +55,7 @@ class View:
         self.slip_count = 0
         self._forget(core.counts.restarts)
         self.messages: deque[str] = deque(maxlen=4)
+        self._from = (self._simulated_s or 0.0, time.monotonic())
         self._rate = (0.0, 0, 0.0)  # time of the last tick, packets then, packets per second
 
     def _forget(self, boot: int) -> None:
@@ -127,9 +129,16 @@ class View:
         return f"{place}{'' if cop.x_mm is None else f' ({cop.x_mm:+.2f}, {cop.y_mm:+.2f} mm)'}, {load}"
 
     def _simulated(self) -> str:
-        """The progress of a core simulated in this process, which is slower than real time."""
-        seconds = getattr(getattr(self.core.line, "pipe", None), "simulated_s", None)
-        return "" if seconds is None else f"simulated {seconds:.3f} s, "
+        """The progress of a core simulated in this process, and its speed as a share of real time."""
+        seconds = self._simulated_s
+        if seconds is None:
+            return ""
+        share = (seconds - self._from[0]) / max(time.monotonic() - self._from[1], 1e-9)
+        return f"simulated {seconds:.3f} s, {share:.2g} of real time, "
+
+    @property
+    def _simulated_s(self) -> float | None:
+        return getattr(getattr(self.core.line, "pipe", None), "simulated_s", None)
 
     def _line(self) -> str:
         counts = self.core.counts

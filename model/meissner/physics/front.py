@@ -135,7 +135,7 @@ def paths(
         return [Path(f"a source of {source_ohm:g} ohms", pin, math.exp(-min(acquired, 700.0)))]
     corners = own.corners_hz
     if volts is not None:
-        corners = ([one for one in corners if one[0] >= volts] or [corners[-1]])[:1]
+        corners = next(((one,) for one in corners if one[0] >= volts), corners[-1:])
     kinds: dict[float, list[str]] = {}
     for range_v, hertz in corners:
         kinds.setdefault(hertz, []).append(f"±{range_v:g}")
@@ -212,7 +212,8 @@ class Held:
 def held(low_pass: LowPass, settle_s: float, slot_s: float, idle_s: float = 0.0, rest: float = 0.0) -> Held:
     """The Held of a filter: places of ``slot_s``, sampled after ``settle_s``, then ``idle_s``."""
     size, pole = low_pass.mode
-    return Held(size, *(np.exp(pole * seconds) for seconds in (settle_s, slot_s, idle_s)), rest)
+    settled, passed, idle = (complex(np.exp(pole * seconds)) for seconds in (settle_s, slot_s, idle_s))
+    return Held(size, settled, passed, idle, rest)
 
 
 ORIGINS = {

@@ -50,7 +50,7 @@ def build(where: str, keys: ScanKeys, rows: int, columns: int, rate_hz: float) -
             clk_khz,
             keys.sclk_khz,
         )
-        twin = ScanAdc(*size)
+        twin = ScanAdc(*size, read_during=keys.read == "during")
         settling = Settling(twin, keys.volts, keys.settle_share, keys.source_ohm)
         settle = settling.clocks(keys.settle_us)
         settling.check(settle)

@@ -36,8 +36,9 @@ class Runner(Protocol):
     TABLES: dict[str, str]  # {heading of a table of the report: key of its rows in the summary}
     WAVES: bool  # engine rtl can record waves
 
-    def run(self, scene, engine: str, seed: int, waves: Path | None, progress) -> Any:
-        """The Result (meissner.scenes.results); ``waves``: the file to record."""
+    def run(self, scene, engine: str, seed: int, waves: Path | None, spread) -> Any:
+        """The Result (meissner.scenes.results); ``waves``: the file to record; ``spread``:
+        pool.Spread, over which it spreads its conditions and seeds."""
 
     def tell(self, summary: dict) -> list[str]:
         """The lines that the command prints for a summary."""

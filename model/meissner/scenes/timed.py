@@ -2,6 +2,7 @@
 
 import dataclasses
 import time
+from functools import partial
 
 import numpy as np
 
@@ -26,6 +27,25 @@ def mismatches(ours, twin):
     for one, other in zip(_arrays(ours), _arrays(twin), strict=True):
         by_shape.setdefault(one.shape, []).append(one != other)
     return sum(int(np.any(wrong, axis=0).sum()) for wrong in by_shape.values())
+
+
+def each(scene, engine, work, tasks, spread):
+    """(a TimedEngine with the sums of all tasks, [``work(scene, its own TimedEngine, *task)`` of each task]).
+
+    ``work``: a module's function; ``spread``: pool.Spread.
+    """
+    cores, found = zip(*spread.map(partial(_alone, work, scene, engine), tasks))
+    total = TimedEngine(engine, scene.features)
+    for core in cores:
+        total.taken_s += core.taken_s
+        total.samples += core.samples
+        total.differences += core.differences
+    return total, found
+
+
+def _alone(work, scene, engine, task):
+    core = TimedEngine(engine, scene.features)
+    return core, work(scene, core, *task)
 
 
 class TimedEngine:

@@ -6,6 +6,7 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
+from meissner import pool
 from meissner.files import check_out, written
 from meissner.terminal import plain
 from meissner.tradeoff import sweep, table, worker
@@ -42,14 +43,6 @@ def _folder(out):
     return out
 
 
-def _workers(count):
-    if count is None:
-        return worker.cores()
-    if not 1 <= count <= 1024:
-        raise ValueError(f"workers = {count} must lie in 1 .. 1024")
-    return count
-
-
 def _point(arguments):
     """Measure and print one point; no file is written."""
     if not arguments.axis or len(arguments.axis) != 1:
@@ -71,7 +64,7 @@ def tradeoff(arguments):
         _point(arguments)
         return
     axes = [table.named(name) for name in dict.fromkeys(arguments.axis or table.every())]
-    workers, out = _workers(arguments.workers), _folder(arguments.out or "build/tradeoff")
+    workers, out = pool.number(arguments.workers, "workers"), _folder(arguments.out or "build/tradeoff")
     out.mkdir(parents=True, exist_ok=True)
     executor = worker.cluster(arguments.scheduler) if arguments.scheduler else None
     try:

@@ -6,6 +6,7 @@ from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import NamedTuple
 
+from meissner import pool
 from meissner.files import written
 from meissner.tradeoff import area, pareto, worker
 from meissner.tradeoff.points import command_of
@@ -35,11 +36,11 @@ def measured(tasks, executor):
     groups = {}
     for task in tasks:
         groups.setdefault((task.name, task.group), []).append(task)
-    with executor as pool:
+    with executor as workers:
         jobs = {}
         for group in groups.values():
             points = [task.point for task in group]
-            jobs[pool.submit(worker.answers, group[0].where, group[0].name, points)] = group
+            jobs[workers.submit(worker.answers, group[0].where, group[0].name, points)] = group
         for job in as_completed(jobs):
             try:
                 found = job.result()
@@ -51,8 +52,8 @@ def measured(tasks, executor):
 def run(axes, out, quick=False, executor=None, workers=1, progress=None, say=print):
     """Measure what is not in ``out`` yet and write the results there; returns {name: rows}.
 
-    ``executor``: a context of worker.py for all axes except timed ones; ``workers``: number of processes
-    without it; ``progress``: takes a number of points and returns a context whose value is called after each
+    ``executor``: a context of worker.py for all axes except timed ones; ``workers``: processes without it;
+    ``progress``: takes a number of points and returns a context whose value is called after each
     point. ValueError at the end if points failed.
     """
     out = Path(out)
@@ -75,8 +76,8 @@ def run(axes, out, quick=False, executor=None, workers=1, progress=None, say=pri
         say(f"{len(found)} of {count} points are in {out} already{again}")
     problems = []
     with progress(sum(map(len, todo.values()))) if progress else nullcontext(lambda: None) as report:
-        several = executor or worker.processes(workers)
-        for tasks, one in ((todo[False], several), (todo[True], worker.processes(1))):
+        several = executor or pool.processes(workers)
+        for tasks, one in ((todo[False], several), (todo[True], pool.processes(1))):
             if not tasks:
                 continue
             with closing(measured(tasks, one)) as answers:

@@ -1,16 +1,8 @@
-"""What a process measures: points of an axis; and the executors whose processes do that."""
+"""What a process measures: points of an axis; and the workers of Dask, which may do that."""
 
 import json
-import multiprocessing
-import os
-import signal
-import threading
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
-
-# Several processes run already; threads in each would change the order of additions and compete for cores.
-ALONE = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 def rounded(value):
@@ -39,41 +31,6 @@ def answers(where, name, points):
         except Exception as problem:
             found.append({"problem": f"{type(problem).__name__}: {problem}"})
     return found
-
-
-def cores():
-    return len(os.sched_getaffinity(0))
-
-
-def _begin():
-    """In a new process: interrupts are its parent's, output of a library goes to standard error, and it ends
-    with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.dup2(2, 1)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent():
-    multiprocessing.parent_process().join()
-    os._exit(1)
-
-
-@contextmanager
-def processes(count):
-    """An executor with ``count`` processes of this machine, which end at once if its user is interrupted."""
-    before = dict(os.environ)
-    os.environ.update(ALONE)
-    pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _begin)
-    try:
-        yield pool
-    except BaseException:
-        for process in multiprocessing.active_children():
-            process.kill()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
-        os.environ.clear()
-        os.environ.update(before)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 // The cells of an ECP5 that Yosys has only as black boxes, for simulating netlists: one clock, as synthesis uses them.
 
 // verilator lint_off DECLFILENAME
+// verilator coverage_off
 module DP16KD #(
   parameter int    DATA_WIDTH_A = 18, DATA_WIDTH_B = 18,
   parameter string WRITEMODE_A = "NORMAL", WRITEMODE_B = "NORMAL", REGMODE_A = "NOREG", REGMODE_B = "NOREG",

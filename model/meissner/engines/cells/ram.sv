@@ -7,6 +7,7 @@
 // data (2). Reading a byte that the other port writes is undefined in silicon; here the byte is inverted.
 
 // verilator lint_off DECLFILENAME
+// verilator coverage_off
 module msn_gate_ram #(
   parameter int ByteBits = 9,
   parameter int WidthA   = 18,

@@ -20,7 +20,7 @@ SHOWN = (
 )
 
 
-def run(scene, engine, seed, waves, progress):
+def run(scene, engine, seed, waves, spread):
     """The Result of the scene, which runs once."""
     recording, core = scenes.simulate(scene, seed), TimedEngine(engine, scene.features)
     codes = recording.codes
@@ -28,7 +28,7 @@ def run(scene, engine, seed, waves, progress):
     step = max(1, (1 << 22) // codes[0].size)
     parts = [
         core.cop(codes[start : start + step], scene.min_load)
-        for start in progress(range(0, len(codes), step))
+        for start in spread.progress(range(0, len(codes), step))
     ]
     result = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     if waves:

@@ -3,6 +3,7 @@
 from functools import partial
 
 from meissner import scenes
+from meissner.pool import Spread
 from meissner.scenes.capacitive.judge import ANSWERS, answer, calibrations
 from meissner.scenes.errors import percent
 from meissner.scenes.results import Result, head, numbered, table
@@ -12,6 +13,7 @@ __all__ = ["TABLES", "WAVES", "answer", "run", "tell"]
 
 TABLES = {"Results": "conditions"}
 WAVES = False
+ALONE = Spread()
 # What each picture shows, by the function that draws it.
 SHOWN = {
     "draw_crosstalk": "output over the amplifier's gain, eq. 18 and demodulated; error over the carrier",
@@ -22,11 +24,11 @@ SHOWN = {
 }
 
 
-def run(scene, engine, seed, waves=None, progress=list):
+def run(scene, engine, seed, waves=None, spread=ALONE):
     """The Result of the scene, which runs once."""
     recording, core = scenes.simulate(scene, seed), TimedEngine(engine, scene.features)
     codes = {}
-    for name, part in progress(list(recording.parts.items())):
+    for name, part in spread.progress(list(recording.parts.items())):
         codes[name] = core.demodulate(part.samples, scene.carrier)
     fits = calibrations(recording, codes)
     found, arrays, drawings = ANSWERS[scene.kind](scene, codes, recording, fits, core)

@@ -50,7 +50,7 @@ def ghosts(recording):
     return rows
 
 
-def run(scene, engine, seed, waves=None, progress=list):
+def run(scene, engine, seed, waves=None, spread=None):
     """The Result of the scene, which runs once."""
     recording, core = scenes.simulate(scene, seed), TimedEngine(engine, scene.features)
     presses, force_n = recording.parts["calibration"]

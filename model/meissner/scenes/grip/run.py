@@ -14,7 +14,7 @@ from meissner.scenes.grip.scene import Pull
 from meissner.scenes.results import Picture, Result, head, table
 from meissner.scenes.slip_rates import rates
 from meissner.scenes.slip_rates import tell as tell_rates
-from meissner.scenes.timed import TimedEngine, mismatches
+from meissner.scenes.timed import each, mismatches
 from meissner.scenes.verdict import slips
 from meissner.twins.cop.cop_slip import octants
 
@@ -111,32 +111,35 @@ def _summary(values):
     return summarise(np.array([value for value in values if value is not None], dtype=float))
 
 
-def run(scene, engine, seed, waves, progress):
+def _one(scene, core, place, number, shown):
+    """(verdict, published quantities, errors, what is shown) of a condition's run with a seed."""
+    recording = scenes.simulate(scene, scene.conditions[place], number)
+    found, decisions = core.cop_slip(recording.codes, scene.config, scene.lag, scene.registers)
+    x, y = found.x / engines.COP_ONE, found.y / engines.COP_ONE
+    load = found.load * scene.config.load_lsb_n
+    position, of_load = errors(x, y, load, found.pressed, recording.load, recording.x, recording.y)
+    _, of_felt = errors(x, y, load, found.pressed, recording.held.felt_n, recording.x, recording.y)
+    wrong = position, of_load[found.pressed], of_felt[found.pressed]
+    seen = (recording, found, decisions) if shown else None
+    return judge(recording, decisions), published(recording, x, y, load), wrong, seen
+
+
+def run(scene, engine, seed, waves, spread):
     """The Result of every condition with its seeds."""
-    core = TimedEngine(engine, scene.features)
     settings = scene.config, scene.lag, scene.registers
     seeds = range(seed, seed + scene.seeds)
     verdicts = {condition: [] for condition in scene.conditions}
-    shown, facts, wrong_place, wrong_load, wrong_felt = {}, [], [], [], []
-    samples = 0
-    for condition, number in progress([(c, n) for c in scene.conditions for n in seeds]):
-        recording = scenes.simulate(scene, condition, number)
-        found, decisions = core.cop_slip(recording.codes, *settings)
-        samples += len(recording.codes)
-        x, y = found.x / engines.COP_ONE, found.y / engines.COP_ONE
-        load = found.load * scene.config.load_lsb_n
-        position, of_load = errors(x, y, load, found.pressed, recording.load, recording.x, recording.y)
-        _, of_felt = errors(x, y, load, found.pressed, recording.held.felt_n, recording.x, recording.y)
-        wrong_place.append(position)
-        wrong_load.append(of_load[found.pressed])
-        wrong_felt.append(of_felt[found.pressed])
-        verdicts[condition].append(judge(recording, decisions))
-        facts.append(published(recording, x, y, load))
-        if number == seed:
-            shown[condition] = (recording, found, decisions)
+    tasks = [(at, number, number == seed) for at in range(len(verdicts)) for number in seeds]
+    core, every = each(scene, engine, _one, tasks, spread)
+    for (at, *_), (verdict, *_) in zip(tasks, every):
+        verdicts[scene.conditions[at]].append(verdict)
+    _, facts, wrong, seen = zip(*every)
+    wrong_place, wrong_load, wrong_felt = map(np.concatenate, zip(*wrong))
+    samples = len(wrong_place)
+    shown = dict(zip(scene.conditions, filter(None, seen)))
 
     rows = [_statistics(condition, verdicts[condition]) for condition in scene.conditions]
-    every = [verdict for condition in scene.conditions for verdict in verdicts[condition]]
+    every = [verdict for verdict, *_ in every]
     first = verdicts[scene.conditions[0]][0]
     recording, *told = shown[scene.conditions[0]]
     if waves:  # the shown run, until shortly after its flag
@@ -151,9 +154,9 @@ def run(scene, engine, seed, waves, progress):
         **rates(every),
         "direction_error_deg": _summary([verdict["direction_error_deg"] for verdict in every]),
         "octants_wrong": sum(row["octants_wrong"] for row in rows),
-        "position_error": summarise(np.concatenate(wrong_place)),
-        "load_error": summarise(np.concatenate(wrong_load)),
-        "load_error_without_shear": summarise(np.concatenate(wrong_felt)),
+        "position_error": summarise(wrong_place),
+        "load_error": summarise(wrong_load),
+        "load_error_without_shear": summarise(wrong_felt),
         **{
             key: _summary([fact and fact[key] for fact in facts])
             for key in ("load_drop", "grip_rise_n", "move_v")

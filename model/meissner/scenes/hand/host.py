@@ -100,6 +100,12 @@ class Host:
             self.floor = floor
             self.reflexes.hold_above(np.rint(floor).astype(np.int64))
 
+    def free(self, cycle):
+        """The number of cycles from this one on before ``write`` may change a register again."""
+        answers = self.gross_share and (self.gross.any() or (self.floor > self.settings.minimum).any())
+        every = (self.follow, self.look, *([self.answer] if answers else []))
+        return min(one - cycle % one for one in every)
+
     def read(self, vc_v, command, gross):
         """Take Vc, the command, and whether a finger slipped gross, after a cycle; all [runs]."""
         self.vc_v, self.command = vc_v, command

@@ -7,6 +7,7 @@ threshold: msn_grip counts the stream of decisions. A finger is unhealthy after 
 0 V or below: 5 V is the rubber at rest. On engine rtl a Verilated core does all of it, beside the twins.
 """
 
+from copy import copy, deepcopy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from meissner.twins.slip.peak_to_peak import PeakToPeak
 
 NOISE_S = 1.0  # of the converters' noise drawn together
 AFTER_S = 1.0  # after a tug, for tug_ratio
+AHEAD = 64  # cycles
 WAIT_SAMPLES = 20  # for which an event's ringing may still reach the next window
 
 
@@ -36,8 +38,14 @@ class FixedSlip:
     def next(self, codes):
         """(detail, p2p, over) for each detail that ``codes`` [channels, n] complete."""
         detail, _ = self.haar.next(codes)
+        self.before = copy(self.extremes)
         p2p, self.ends = self.extremes.next(detail)
         return detail, p2p, p2p > self.threshold
+
+    def keep(self, detail):
+        """Go on after these of the details of the last ``next``."""
+        self.extremes = self.before
+        self.extremes.next(detail)
 
 
 class FloatSlip:
@@ -83,6 +91,11 @@ class Windows:
     def __init__(self, channels, span):
         self.span, self.count, self.counted = span, 0, np.zeros(channels, dtype=bool)
 
+    def skip(self, details):
+        """Whether a window ends in so many details, none of them over and none in a window that was."""
+        before, self.count = self.count, self.count + details
+        return before // self.span < self.count // self.span
+
     def next(self, over):
         """(over [channels, parts], ends [parts], number of windows newly over [channels])."""
         last = self.count + over.shape[1]
@@ -115,6 +128,8 @@ class Reflexes:
         self.health = FingerHealth(channels, *rails(adc, Sensed(), "pulled_up"))
         self.reflexes = [grip_of(settings, 2, start=start) for start in starts]
         self.gross_threshold = config.gross_threshold
+        self.group = 1 << config.level if isinstance(self.slip, FixedSlip) else None
+        self.skips = grip_of is Grip  # of which the answers to quiet cycles are known
 
     def compare_with(self, threshold):
         """Set the threshold [runs], in codes."""
@@ -132,21 +147,64 @@ class Reflexes:
             if floor != reflex.config.minimum:
                 reflex.config = replace(reflex.config, minimum=floor)
 
-    def next(self, codes):
-        """(detail [channels, details], number of windows newly over [channels], Command of each run)."""
+    def expected(self, cycles, block):
+        """The increments [cycles, runs] if no further window of samples is over the threshold: those of the
+        present windows are 0 where these were over, then the grip decays. A single cycle where the slip path
+        cannot go back, or a group of samples spans two cycles.
+        """
+        if self.group is None or block % self.group:
+            cycles = 1
+        counted = self.windows.counted.reshape(-1, 2).any(axis=1).tolist()
+        left = -(-(-self.windows.count % self.windows.span) * (self.group or 1) // block)
+        rows = []
+        for reflex, held in zip(self.reflexes, counted):
+            row = [0] * min(cycles, held * left)
+            rows.append(row + reflex.rest(cycles - len(row)))
+        return np.array(rows).T
+
+    def next(self, codes, expected, breaks=True):
+        """The first cycles of ``codes`` [channels, samples]: until an increment is not that of ``expected``
+        [cycles, runs], or a slip is gross, since the samples after it are then not what the hand gives; or
+        all, if it ``breaks`` not.
+
+        (detail [channels, details], number of windows newly over [cycles, channels], increment, command,
+        fault and faulty fingers, one bit each [4, cycles, runs], gross [runs]).
+        """
+        cycles, channels = len(expected), len(codes)
         detail, p2p, self.over = self.slip.next(codes)
-        self.gross = (p2p > self.gross_threshold).any(axis=1)
-        parts, ends, counts = self.windows.next(self.over)
-        healthy = self.health.next(codes).reshape(-1, 2).tolist()
-        parts = parts.reshape(len(self.reflexes), 2, -1).tolist()
-        words = [
-            answer(reflex, rows, ends, well) for reflex, rows, well in zip(self.reflexes, parts, healthy)
-        ]
-        return detail, counts, words
+        gross = p2p > self.gross_threshold
+        block, step = codes.shape[1] // cycles, detail.shape[1] // cycles
+        unusual = (self.over | gross).any(axis=0).reshape(cycles, step).any(axis=1)
+        low, high = self.health.low, self.health.high
+        well = codes.min() > low and codes.max() < high and not self.health.run.any()
+        counts, answers, cycle = np.zeros((cycles, channels), dtype=np.int64), [], 0
+        while cycle < cycles:
+            if self.skips and step and well and not unusual[cycle] and not self.windows.counted.any():
+                quiet = int(unusual[cycle:].argmax()) or cycles - cycle
+                ended = self.windows.skip(quiet * step)
+                part = expected[cycle : cycle + quiet]
+                answers += zip(*(one.take(row, ended) for one, row in zip(self.reflexes, part.T.tolist())))
+                cycle += quiet
+                continue
+            here, samples = (slice(cycle * n, (cycle + 1) * n) for n in (step, block))
+            parts, ends, counts[cycle] = self.windows.next(self.over[:, here])
+            parts = parts.reshape(len(self.reflexes), 2, -1).tolist()
+            healthy = self.health.next(codes[:, samples]).reshape(-1, 2).tolist()
+            words = [answer(*one) for one in zip(self.reflexes, parts, [ends] * len(parts), healthy)]
+            answers.append([(word.increment, word.command, word.fault, bits(word.faulty)) for word in words])
+            cycle += 1
+            differs = [word.increment for word in words] != expected[cycle - 1].tolist()
+            if breaks and (differs or gross[:, here].any()):
+                break
+        if cycle < cycles:
+            detail = detail[:, : cycle * step]
+            self.slip.keep(detail)
+        gross = gross[:, : cycle * step].reshape(len(self.reflexes), -1).any(axis=1)
+        return detail, counts[:cycle], np.array(answers).transpose(2, 0, 1), gross
 
 
-class Cores:
-    """As Reflexes, with a Verilated core for each run; the twins run beside them and supply the detail."""
+class Cores(Reflexes):
+    """As Reflexes, with a Verilated core for each run, whose answers count; the twins run beside them."""
 
     @staticmethod
     def core(*arguments):
@@ -157,46 +215,61 @@ class Cores:
     def __init__(self, config, settings, starts, adc, block):
         from meissner.twins.actuate.actuate import ActuateConfig
 
-        self.twin = Reflexes((FixedSlip, Grip), config, settings, starts, adc)
+        super().__init__((FixedSlip, Grip), config, settings, starts, adc)
         actuate = ActuateConfig(settings, *rails(adc, Sensed(), "pulled_up"))
         self.cores = [self.core(2, config, actuate, block, start) for start in starts]
-        self.windows = Windows(2 * len(starts), config.window >> config.level)
-        self.mismatches = np.zeros(len(starts), dtype=np.int64)
+        self.own = Windows(2 * len(starts), config.window >> config.level)
+        self.block, self.mismatches = block, np.zeros(len(starts), dtype=np.int64)
 
     def compare_with(self, threshold):
         """As Reflexes.compare_with."""
-        self.twin.compare_with(threshold)
+        super().compare_with(threshold)
         for core, value in zip(self.cores, threshold):
             core["slip.threshold"] = value
 
     def answer_by(self, steps, decays):
         """As Reflexes.answer_by."""
-        self.twin.answer_by(steps, decays)
+        super().answer_by(steps, decays)
         for core, step, decay in zip(self.cores, steps, decays):
             core["grip.step"], core["grip.decay"] = step, decay
 
     def hold_above(self, floors):
         """As Reflexes.hold_above."""
-        self.twin.hold_above(floors)
+        super().hold_above(floors)
         for core, floor in zip(self.cores, floors):
             core["grip.minimum"] = floor
 
-    @property
-    def gross(self):
-        """As Reflexes.gross: what the host reads in the packets."""
-        return self.twin.gross
+    def expected(self, cycles, block):
+        """As Reflexes.expected; several cores go cycle by cycle, since none can go back."""
+        return super().expected(cycles if len(self.cores) == 1 else 1, block)
 
-    def next(self, codes):
-        """As Reflexes.next."""
-        detail, _, expected = self.twin.next(codes)
-        found = [core.next(pair) for core, pair in zip(self.cores, codes.reshape(len(self.cores), 2, -1))]
-        overs, words = [over for over, _, _ in found], [word for _, _, word in found]
-        wanted = self.twin.over.reshape(len(self.cores), 2, -1)
-        for run, (over, ends, word) in enumerate(found):
-            same = np.array_equal(over, wanted[run]) and np.array_equal(ends, self.twin.slip.ends)
-            self.mismatches[run] += word != expected[run] or not same
-        _, _, counts = self.windows.next(np.concatenate(overs))
-        return detail, counts, words
+    def next(self, codes, expected, breaks=True):
+        """As Reflexes.next, but the answers of the cores, which end with the same cycle."""
+        _, p2p, _ = deepcopy(self.slip).next(codes)  # which then goes on from here
+        gross = (p2p > self.gross_threshold).any(axis=0).reshape(len(expected), -1).any(axis=1)
+        if gross.any():
+            expected = expected[: gross.argmax() + 1]
+            codes = codes[:, : len(expected) * self.block]
+        pairs = codes.reshape(len(self.cores), 2, -1)
+        found = [core.next(*one) for core, *one in zip(self.cores, pairs, expected.T)]
+        cycles = found[0][2].shape[1]
+        codes, expected = codes[:, : cycles * self.block], expected[:cycles]
+        detail, counts, wanted, gross = super().next(codes, expected, breaks=False)
+        over, ends = np.concatenate([over for over, _, _ in found]), [ends for _, ends, _ in found]
+        answers = np.stack([answers for _, _, answers in found], axis=2)
+        shape = len(self.cores), 2, cycles, -1
+        same = (answers[0] == answers[1]) & (answers[1:] == wanted).all(axis=0)
+        same &= (over.reshape(shape) == self.over.reshape(shape)).all(axis=(1, 3)).T
+        same &= (np.array(ends) == self.slip.ends).reshape(len(ends), cycles, -1).all(axis=2).T
+        self.mismatches += (~same).sum(axis=0)
+        step = over.shape[1] // cycles
+        for cycle in range(cycles):
+            here = over[:, cycle * step : (cycle + 1) * step]
+            if here.any() or self.own.counted.any():
+                _, _, counts[cycle] = self.own.next(here)
+            else:
+                self.own.skip(step)
+        return detail, counts, answers[1:], gross
 
 
 class Netlists(Cores):
@@ -207,6 +280,11 @@ class Netlists(Cores):
         from meissner.engines import rtl_hand, verilated
 
         return verilated.of_gates(rtl_hand.Core)(*arguments)
+
+
+def bits(flags):
+    """Flags as bits, the first as bit 0."""
+    return sum(bool(flag) << place for place, flag in enumerate(flags))
 
 
 def answer(reflex, parts, ends, healthy):
@@ -270,18 +348,29 @@ class _Noise:
         self.scale, self.length = scene.adc.noise_v, round(NOISE_S * scene.rate_hz)
         self.drawn, self.place = None, self.length
 
-    def next(self, samples):
+    def ahead(self, samples):
+        """The next samples [runs, 2, samples], of which ``keep`` then takes some; within NOISE_S."""
         if self.place >= self.length:
             shape = (2, self.length)
             self.drawn = self.scale * np.stack([rng.standard_normal(shape) for rng in self.rngs])
             self.place = 0
-        part = self.drawn[:, :, self.place : self.place + samples]
+        return self.drawn[:, :, self.place : self.place + samples]
+
+    def keep(self, samples):
         self.place += samples
-        return part
 
 
-def hold(scene, condition, seeds, parts):
-    """Run a condition with all ``seeds`` together; ``parts``: (slip path class, grip class), or Cores."""
+def _added(total, parts):
+    """``total`` [runs] and each of ``parts`` [runs, n], added one after the other."""
+    return np.add.accumulate(np.concatenate([total[:, None], parts], axis=1), axis=1)[:, -1]
+
+
+def hold(scene, condition, seeds, parts, most=AHEAD):
+    """Run a condition with all ``seeds`` together; ``parts``: (slip path class, grip class), or Cores.
+
+    Up to ``most`` cycles are computed at a time, with the increments that follow if no window is over; those
+    after another increment are dropped. So the results do not depend on ``most``.
+    """
     grasps = [grasp(scene, condition, seed) for seed in seeds]
     runs, block = len(grasps), scene.rate_hz * condition.cycle_ms // 1000
     hand = Hand(grasps, scene.rate_hz, block)
@@ -302,48 +391,77 @@ def hold(scene, condition, seeds, parts):
     tight, false, faults = np.zeros((3, runs), dtype=np.int64)
     ratio, held, tug_ratio, tugged = np.zeros(runs), 0, np.zeros(runs), 0
     lowest, highest = (np.full((3, runs), np.inf), np.full((3, runs), -np.inf))  # of displacement, sag, rings
-    rows = []
-    for cycle in range(cycles):
-        time_s = cycle * condition.cycle_ms / 1e3
-        found = hand.next(goal)
-        volts = front.next(found.volts) + noise.next(block)
-        codes, _ = adc.convert(volts.reshape(2 * runs, block))
-        if time_s >= dead:
-            codes[:] = 0
+    rows, cycle, tried, usual = [], 0, 1, 1.0
+    while cycle < cycles:
         host.write(cycle)
-        detail, counts, words = reflexes.next(codes)
-        increment = np.array([word.increment for word in words])
-        command = np.array([word.command for word in words])
-        gross = reflexes.gross.reshape(runs, 2).any(axis=1)
-        host.read(codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, command, gross)
-        contact, at, _ = found.events
-        last_event[contact] = cycle * block + np.ceil(at).astype(np.int64)
-        wrong = (counts > 0) & (last_event < cycle * block - wait)
-        pairs = counts.reshape(-1, 2)
-        goal = goal + increment * condition.count_mm
+        tried = min(tried, most, cycles - cycle, host.free(cycle))
+        expected = reflexes.expected(tried, block)
+        goals = np.add.accumulate(np.concatenate([goal[None], expected[:-1] * condition.count_mm]), axis=0)
+        found = hand.ahead(goals)
+        expected = expected[: found.blocks]
+        samples = len(expected) * block
+        times_s = (cycle + np.arange(len(expected))) * condition.cycle_ms / 1e3
+        before, volts = copy(front), found.volts[:, :, :samples]
+        codes, _ = adc.convert((front.next(volts) + noise.ahead(samples)).reshape(2 * runs, -1))
+        codes[:, np.repeat(times_s >= dead, block)] = 0
+        detail, counts, (increments, commands, fault, _), gross = reflexes.next(codes, expected)
+        done = len(counts)
+        hand.keep(done)
+        noise.keep(done * block)
+        if done < len(expected):
+            front = before
+            front.next(volts[:, :, : done * block])
+        last = codes[:, (done - 1) * block : done * block]
+        host.read(last.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, commands[-1], gross)
+        goal = goals[done - 1] + increments[-1] * condition.count_mm
+        times_s = times_s[:done]
+
+        contact, block_of, at, _ = found.events
+        order = np.argsort(block_of, kind="stable")
+        contact, block_of = contact[order], block_of[order]
+        instants = (cycle + block_of) * block + np.ceil(at[order]).astype(np.int64)
         alive = ~hand.dropped
-        tight += alive & (pairs > 0).any(axis=1)
-        false += alive & wrong.reshape(-1, 2).any(axis=1)
-        faults += np.array([word.fault != 0 for word in words])
-        least_n = found.load_n.mean(axis=1) / hand.mu_s.sum(axis=1)
-        normal_n = found.normal_n.mean(axis=1)
-        sag_mm = found.sag_mm[:, -1]
-        places = np.array([sag_mm + found.slip_mm[:, -1] + found.ring_mm, sag_mm, found.ring_mm])
-        lowest, highest = np.minimum(lowest, places), np.maximum(highest, places)
-        for start_s, length_s, newtons in scene.world["tugs"]:
-            if 0 <= time_s - start_s - length_s < AFTER_S:
-                tug_ratio = tug_ratio + normal_n / (least_n + newtons / hand.mu_s.sum(axis=1))
-                tugged += 1
-        if time_s >= since:
-            ratio, held = ratio + normal_n / least_n, held + 1
-        rows.append(
-            (
-                *(time_s, normal_n[0], least_n[0], found.load_n[0, -1], found.sag_mm[0, -1]),
-                *(found.slip_mm[0, -1], found.ring_mm[0], words[0].command, words[0].fault),
-                *(int(pairs[0].sum()), host.threshold[0], *detail[:2].min(axis=1), *detail[:2].max(axis=1)),
-            )
+        for k in np.flatnonzero(counts.any(axis=1)):
+            known = block_of <= k
+            last_event[contact[known]] = instants[known]
+            pairs = (counts[k] > 0).reshape(-1, 2)
+            wrong = last_event < (cycle + k) * block - wait
+            tight += alive & pairs.any(axis=1)
+            false += alive & (pairs & wrong.reshape(-1, 2)).any(axis=1)
+        known = block_of < done
+        last_event[contact[known]] = instants[known]
+        faults += (fault != 0).sum(axis=0)
+
+        load_n, normal_n, sag_mm, slip_mm = (
+            values[:, : done * block].reshape(runs, done, block)
+            for values in (found.load_n, found.normal_n, found.sag_mm, found.slip_mm)
         )
-    table = np.array(rows).T
+        least_n = load_n.sum(axis=2) / block / hand.mu_s.sum(axis=1)[:, None]
+        normal_n = normal_n.sum(axis=2) / block
+        load_n, sag_mm, slip_mm = load_n[:, :, -1], sag_mm[:, :, -1], slip_mm[:, :, -1]
+        ring_mm = found.ring_mm[:, :done]
+        places = np.array([sag_mm + slip_mm + ring_mm, sag_mm, ring_mm])
+        lowest, highest = np.minimum(lowest, places.min(axis=2)), np.maximum(highest, places.max(axis=2))
+        for k, time_s in enumerate(times_s if scene.world["tugs"] else ()):
+            for start_s, length_s, newtons in scene.world["tugs"]:
+                if 0 <= time_s - start_s - length_s < AFTER_S:
+                    peak_n = least_n[:, k] + newtons / hand.mu_s.sum(axis=1)
+                    tug_ratio = tug_ratio + normal_n[:, k] / peak_n
+                    tugged += 1
+        holding = times_s >= since
+        ratio, held = _added(ratio, (normal_n / least_n)[:, holding]), held + int(holding.sum())
+        shown = detail[:2].reshape(2, done, -1)
+        rows.append(
+            [
+                *(times_s, normal_n[0], least_n[0], load_n[0], sag_mm[0], slip_mm[0], ring_mm[0]),
+                *(commands[:, 0], fault[:, 0], counts[:, :2].sum(axis=1)),
+                *(np.full(done, host.threshold[0]), *shown.min(axis=2), *shown.max(axis=2)),
+            ]
+        )
+        cycle += done
+        usual = 0.9 * usual + 0.1 * done
+        tried = round(1.5 * usual) + 1
+    table = np.concatenate(rows, axis=1)
     table[10] *= adc.lsb_v / 2 ** (1 + config.level / 2)
     trace = Trace(*table[:11], table[11:13].T, table[13:15].T)
     moved_mm, sag_mm, ring_mm = highest - lowest

@@ -10,7 +10,7 @@ import numpy as np
 from meissner import interval
 from meissner.report.words import number
 from meissner.scenes.hand import loop, pictures
-from meissner.scenes.hand.scene import AT_ONCE, modelled
+from meissner.scenes.hand.scene import batches, modelled
 from meissner.scenes.results import Picture, Result, head, table
 from meissner.scenes.verdict import count
 from meissner.twins.actuate.grip import Grip
@@ -64,17 +64,24 @@ def joined(helds):
     return {key: np.concatenate([getattr(held, key) for held in helds]) for key in KEYS}
 
 
-def run(scene, engine, seed, waves, progress):
+def _one(scene, engine, task):
+    """(seconds taken, Held) of a condition's runs with these seeds."""
+    began, (place, seeds) = time.perf_counter(), task
+    held = loop.hold(scene, scene.conditions[place], seeds, PARTS[engine])
+    return time.perf_counter() - began, held
+
+
+def run(scene, engine, seed, waves, spread):
     """The Result of every condition with its seeds."""
-    began = time.perf_counter()
     helds = {condition: [] for condition in scene.conditions}
-    batches = [
-        range(at, min(at + AT_ONCE, seed + scene.seeds)) for at in range(seed, seed + scene.seeds, AT_ONCE)
+    tasks = [
+        (place, batch)
+        for place, condition in enumerate(scene.conditions)
+        for batch in batches(condition, range(seed, seed + scene.seeds))
     ]
-    for condition, seeds in progress(
-        [(condition, batch) for condition in scene.conditions for batch in batches]
-    ):
-        helds[condition].append(loop.hold(scene, condition, seeds, PARTS[engine]))
+    taken_s, found = zip(*spread.map(partial(_one, scene, engine), tasks))
+    for (place, _), held in zip(tasks, found):
+        helds[scene.conditions[place]].append(held)
     found = {condition: joined(several) for condition, several in helds.items()}
     rows = [statistics(condition, found[condition]) for condition in scene.conditions]
     runs = sum(row["runs"] for row in rows)
@@ -84,7 +91,7 @@ def run(scene, engine, seed, waves, progress):
     core = SimpleNamespace(  # as TimedEngine: here the hand's physics are within the time, too
         engine=engine,
         samples=2 * simulated * scene.rate_hz,
-        taken_s=time.perf_counter() - began,
+        taken_s=sum(taken_s),
         differences=None if compared[0] is None else int(np.concatenate(compared).sum()),
     )
     summary = {

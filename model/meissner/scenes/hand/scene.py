@@ -35,7 +35,8 @@ WHY = {
     "adc": "adc: Vc to codes, with its noise",
 }
 COMPONENTS = tuple(WHY)
-AT_ONCE = 50  # runs that advance together
+AT_ONCE = 50  # runs that advance together, cycle by cycle
+ALONE_MS = 2  # up to this control cycle a run advances alone: many cycles then pass between two slips
 _CYCLE_BYTES, _SAMPLE_BYTES = 1000, 64
 
 _STEPS = ("step_share", "calm_share", "guard_s", "calm_decay_share", "gross_share", "floor_decay_share")
@@ -240,6 +241,12 @@ def build(name, table):
         with naming(f"scene {name}"):
             scene.grip_config(condition)
     return scene
+
+
+def batches(condition, seeds):
+    """The ranges of ``seeds`` that a process advances together."""
+    count = 1 if condition.cycle_ms <= ALONE_MS else AT_ONCE
+    return [seeds[at : at + count] for at in range(0, len(seeds), count)]
 
 
 def modelled(scene):

@@ -88,11 +88,11 @@ def certified(recordings):
     return {"position": place, "load": load, "condition": float(max(s.condition.max() for s in solutions))}
 
 
-def run(scene, engine, seed, waves, progress):
+def run(scene, engine, seed, waves, spread):
     """The Result of every r of the scene."""
     recordings, core = scenes.simulate(scene, seed), TimedEngine(engine, scene.features)
     runs, rows = [], []
-    for recording in progress(recordings):
+    for recording in spread.progress(recordings):
         x, y, load, valid = reported(recording, core)
         truth = recording.load, recording.x, recording.y
         position, of_load = errors(x, y, load, valid, *truth)

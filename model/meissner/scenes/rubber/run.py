@@ -11,7 +11,7 @@ from meissner.scenes.rubber import pictures as report
 from meissner.scenes.rubber.judge import COUNTS, contact_share, contact_wrong, judge, statistics
 from meissner.scenes.slip_rates import rates
 from meissner.scenes.slip_rates import tell as tell_rates
-from meissner.scenes.timed import TimedEngine, mismatches
+from meissner.scenes.timed import each, mismatches
 from meissner.scenes.verdict import slips as answer
 from meissner.twins.slip.slip_path import details
 
@@ -31,25 +31,31 @@ def _table(rows):
     return [{key: row.get(key) for key in keys} for row in rows]
 
 
-def run(scene, engine, seed, waves, progress):
+def _one(scene, core, place, number, shown):
+    """(verdict, seconds, what is shown) of a condition's run with a seed."""
+    recording, config = scenes.simulate(scene, scene.conditions[place], number), scene.slip_config()
+    # A core that knows no motion, and one that is given its own motion.
+    watched, masked = (
+        core.watch(recording.codes[None], config, moving) for moving in (None, recording.moving)
+    )
+    alarms = judge(recording, masked.state[0], config)["false_alarms"]
+    verdict = judge(recording, watched.state[0], config) | {"false_alarms_masked": alarms}
+    return verdict, len(recording.time_s) / scene.rate_hz, (recording, watched, masked) if shown else None
+
+
+def run(scene, engine, seed, waves, spread):
     """The Result of every condition of a slip scene with its seeds."""
-    core, config = TimedEngine(engine, scene.features), scene.slip_config()
-    seeds = range(seed, seed + scene.seeds)
+    config, seeds = scene.slip_config(), range(seed, seed + scene.seeds)
     arrays, shown, simulated = {}, {}, 0.0
-    jobs = [(condition, number) for condition in scene.conditions for number in seeds]
     verdicts = {condition: [] for condition in scene.conditions}
-    for condition, number in progress(jobs):
-        recording = scenes.simulate(scene, condition, number)
-        # A core that knows no motion, and one that is given its own motion.
-        watched, masked = (
-            core.watch(recording.codes[None], config, moving) for moving in (None, recording.moving)
-        )
-        simulated += len(recording.time_s) / scene.rate_hz
-        alarms = judge(recording, masked.state[0], config)["false_alarms"]
-        verdict = judge(recording, watched.state[0], config)
-        verdicts[condition].append(verdict | {"false_alarms_masked": alarms})
-        if number == seed:
-            shown[condition] = (recording, watched, masked)
+    tasks = [(at, number, number == seed) for at in range(len(verdicts)) for number in seeds]
+    core, found = each(scene, engine, _one, tasks, spread)
+    for (at, *_), (verdict, seconds, seen) in zip(tasks, found):
+        condition = scene.conditions[at]
+        verdicts[condition].append(verdict)
+        simulated += seconds
+        if seen is not None:
+            shown[condition] = seen
     pins = None
     if engine in engines.VERILATED:
         recording, _, masked = shown[scene.conditions[0]]
@@ -66,7 +72,7 @@ def run(scene, engine, seed, waves, progress):
         **rates(every),
         "contact_share_of_sliding": contact_share(every),
         "contact_wrong_share": contact_wrong(every),
-        "runs": len(jobs),
+        "runs": len(tasks),
         "seeds": [seeds[0], seeds[-1]],
         "conditions": rows,
         "pins": None if pins is None else pins.facts,

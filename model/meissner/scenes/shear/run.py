@@ -8,7 +8,7 @@ from meissner.scenes.shear import pictures
 from meissner.scenes.shear.judge import ANSWERS, answer, measured, sloped
 from meissner.scenes.shear.scene import check_supply as check
 from meissner.scenes.slip_rates import rates
-from meissner.scenes.timed import TimedEngine
+from meissner.scenes.timed import each
 
 __all__ = ["TABLES", "WAVES", "answer", "check", "run", "tell"]
 
@@ -22,40 +22,42 @@ RECOVERIES = {
 KEPT = ("time_s", "codes", "normal_n", "speed_mm_s", "tension_n", "slip_mm", "slips_s")
 
 
-def _run(recording, state, config):
-    """The figures of one run: the slip detector's verdict, and what its kind measures."""
-    of_kind = sloped if recording.scene.kind == "stick_slip" else measured
-    return judge(recording, state, config) | of_kind(recording)
+def _one(scene, core, place, number, shown):
+    """(figures, samples, samples over range, what is shown) of a case's run with a seed.
 
-
-def run(scene, engine, seed, waves, progress):
-    """The Result of every case with its seeds."""
-    core = TimedEngine(engine, scene.features)
-    config, seeds = scene.slip_config(), range(seed, seed + scene.seeds)
-    estimator = None
+    The figures: the slip detector's verdict, what the scene's kind measures, and what the estimator finds.
+    """
+    recording, config = scenes.simulate(scene, scene.cases[place], number), scene.slip_config()
+    state = core.watch(recording.codes[None], config).state[0]
+    of_kind = sloped if scene.kind == "stick_slip" else measured
+    figures = judge(recording, state, config) | of_kind(recording)
     if "shear_speed" in scene.features:
         from meissner.scenes.shear import estimate  # here: other kinds need no estimator
 
-        estimator = estimate.Estimator(scene, core)
-    found, shown = {case: [] for case in scene.cases}, {}
-    samples, over_range = 0, 0
-    for case, number in progress([(case, number) for case in scene.cases for number in seeds]):
-        recording = scenes.simulate(scene, case, number)
-        watched = core.watch(recording.codes[None], config)
-        samples += len(recording.codes)
-        over_range += int(recording.over_range.sum())
-        estimated = estimator.of(recording) if estimator else {}
-        found[case].append(_run(recording, watched.state[0], config) | estimated)
-        if number == seed:
-            shown[case] = recording
+        figures |= estimate.Estimator(scene, core).of(recording)
+    over_range = int(recording.over_range.sum())
+    return figures, len(recording.codes), over_range, recording if shown else None
+
+
+def run(scene, engine, seed, waves, spread):
+    """The Result of every case with its seeds."""
+    seeds, found = range(seed, seed + scene.seeds), {case: [] for case in scene.cases}
+    tasks = [(at, number, number == seed) for at in range(len(found)) for number in seeds]
+    core, of_all = each(scene, engine, _one, tasks, spread)
+    for (at, *_), (figures, *_) in zip(tasks, of_all):
+        found[scene.cases[at]].append(figures)
+    _, samples, over_range, seen = zip(*of_all)
+    shown = dict(zip(scene.cases, filter(None, seen)))
     every = [one for runs in found.values() for one in runs]
     rows, of_kind = ANSWERS[scene.kind](scene, found)
     constants = of_kind.pop("constants", None)
-    if estimator:
+    if "shear_speed" in scene.features:
+        from meissner.scenes.shear import estimate
+
         estimate.join(rows, of_kind, found)
     summary = {
-        **head(scene, core, seed, samples / scene.rate_hz, shown[scene.cases[0]].modelled),
-        "over_range": over_range,
+        **head(scene, core, seed, sum(samples) / scene.rate_hz, shown[scene.cases[0]].modelled),
+        "over_range": sum(over_range),
         "false_alarms": sum(one["false_alarms"] for one in every),
         "false_alarm_rate": rates(every)["false_alarm_rate"],
         **of_kind,

@@ -204,6 +204,33 @@ class Grip:
         word = increment if config.mode == "position" else self.command
         return Command(increment, self.command, self.fault, valid, word, tuple(faulty))
 
+    def rest(self, cycles):
+        """The increments of ``cycles`` in which every finger has a decision and none was over."""
+        config, command, found = self.config, self.command, []
+        for _ in range(cycles):
+            goal = min(max(command - config.decay, config.minimum), config.maximum)
+            found.append(min(max(goal, command - config.rate), command + config.rate) - command)
+            command += found[-1]
+        return found
+
+    def take(self, increments, ended):
+        """Take cycles as ``rest`` gives them, with healthy fingers; ``ended``: a window of each ended.
+
+        (increment, command, fault, 0 for no faulty finger) of each, as ``decision`` and ``cycle`` give them
+        for an armed reflex whose windows were not over.
+        """
+        found, config = [], self.config
+        for increment in increments:
+            self.command += increment
+            self.fault = LIMIT * (self.command >= config.maximum) | SETTINGS * (
+                config.minimum > config.maximum
+            )
+            found.append((increment, self.command, self.fault, 0))
+        self._quiet = [0] * self.fingers
+        if ended:
+            self._streak = [0] * self.fingers
+        return found
+
     def next(self, over, healthy=None, seen=None, speed=None, override=None):
         """A cycle's command. For each finger: ``over``, its windows over the threshold since the last cycle;
         ``seen``, all its windows (None: one, or as many as over); ``healthy``; ``speed``, None if unknown.

@@ -24,6 +24,7 @@ class Acquire:
     adc_period: int = 0
     sample_bits: int = 17
     period_bits: int = 24
+    read_during: bool = False
 
     def __post_init__(self):
         if self.part is not None:
@@ -36,7 +37,7 @@ class Acquire:
             return None
         if not self.adc_period:
             sizes = (self.part, self.channels, self.lanes, self.clk_khz, self.sclk_khz)
-            return AdcSpi(*sizes, self.sample_bits, self.period_bits)
+            return AdcSpi(*sizes, self.sample_bits, self.period_bits, self.read_during)
         if self.part is not MCP3208 or self.channels != 1:
             raise ValueError(f"adc_period = {self.adc_period} must be 0 but for one channel of an MCP3208")
         sclk_khz = self.sclk_khz or self.part.sclk_default_khz

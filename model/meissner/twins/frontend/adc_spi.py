@@ -29,6 +29,8 @@ class Part:
     cycle_min_ns: int = 0
     reset_ns: int = 0  # RESET is high, then low, before the first word or conversion
     start_ns: int = 0
+    conversion_min_ns: int = 0
+    read_end_ns: int = 0  # from the end of a read to the next fall of BUSY, at least
     tagged: bool = False  # four bits of channel number before the code; a frame's first word carries no code
     setup: tuple = ()  # words sent before the first conversion
 
@@ -65,13 +67,17 @@ def _max(name, number, data_bits, sclk_khz=16_000):
 
 
 MCP3208 = Part("mcp3208", 1, 12, 19, False, True, False, 1, 2_000, 10, 1_000, 200)
-AD7606 = Part("ad7606", 2, 16, 16, True, False, True, 2, 14_500, 1, 14_500, 30, 4_200, 5_000, 100, 100)
+AD7606 = Part(
+    *("ad7606", 2, 16, 16, True, False, True, 2, 17_000, 1, 14_500, 30, 4_200, 5_000, 100, 100, 3_450, 25)
+)
 MAX11123 = _max("max11123", 3, 8)
 MAX11124 = _max("max11124", 4, 10)
 MAX11125 = _max("max11125", 5, 12)
 # Read register 2, then write: lanes, ranges of +-5 V, wide bandwidth; 0: back to conversions.
 AD7606C = Part(
     *("ad7606c-16", 6, 16, 16, True, True, True, 8, 60_000, 1, 60_000, 20, 700, 1_000, 3_300, 275_000),
+    conversion_min_ns=500,
+    read_end_ns=25,
     setup=(0x4200, 0x0200, 0x0311, 0x0411, 0x0511, 0x0611, 0x07FF, 0x0000),
 )
 MAX11131 = _max("max11131", 7, 12, 48_000)
@@ -95,6 +101,7 @@ class AdcSpi:
     sclk_khz: int | None = None  # upper bound; None: the part's default
     sample_bits: int = 17
     period_bits: int = 24
+    read_during: bool = False  # a frame is read while the next one is converted
 
     def __post_init__(self):
         part = self.part
@@ -107,6 +114,8 @@ class AdcSpi:
             raise ValueError(f"lanes = {self.lanes} must be a power of two up to {part.max_lanes}")
         if self.lanes > 1 and self.channels <= self.lane_channels:
             raise ValueError(f"lanes = {self.lanes} must be 1: one lane has all {self.channels} channels")
+        if self.read_during and not part.has_busy:
+            raise ValueError(f"read_during = True must be False for a part without BUSY, as the {part.name}")
         fits(self, clk_khz=(1, 400_000), sclk_khz=(1, part.sclk_max_khz))
         if self.clk_khz < 2 * self.half * part.sclk_min_khz:
             raise ValueError(f"sclk_khz = {self.sclk_khz} is too slow: the sample droops before it is out")
@@ -132,8 +141,20 @@ class AdcSpi:
     @property
     def watch_clocks(self):
         """Clocks after convert start at which a frame is given up if BUSY has not answered."""
+        if self.read_during:
+            return self.busy_clocks + 4
         wait = clocks_of_ns(2 * self.part.conversion_max_ns, self.clk_khz)
         return 1 << max(1, (wait - 1).bit_length())
+
+    @property
+    def busy_clocks(self):
+        """The last clock after convert start in which BUSY may fall."""
+        return self.part.conversion_max_ns * self.clk_khz // 1_000_000
+
+    @property
+    def busy_least(self):
+        """The first clock after convert start at whose end BUSY may have fallen."""
+        return clocks_of_ns(self.part.conversion_min_ns, self.clk_khz) - 1
 
     def samples(self, codes):
         """Signed samples and over-range flags of the part's raw codes."""
@@ -163,9 +184,25 @@ class AdcSpi:
     def cycle_clocks(self):
         """Clocks between triggers in which every frame ends and its samples (or, for a lost frame, as many
         substitutes, 4 clocks later) leave to an always-ready consumer."""
+        if self.read_during:
+            lost = self.busy_clocks + self.read_clocks() + self.channels + 7 - self.overlap_clocks()
+            return max(self.safe_period(), self.watch_clocks + 1, lost)
         if self.part.has_busy:
             return max(self.safe_period(), self.watch_clocks + self.channels + 4)
         return self.read_clocks() + (self.channels + 4 if self.part.tagged else 1)
+
+    def guard_clocks(self):
+        """Clocks from the start of a transfer in which no tick starts a conversion: its BUSY could fall less
+        than ``read_end_ns`` after the transfer, or before the shifter rests."""
+        ends = self.read_clocks() - 2 * self.half  # CS rises a clock later
+        least = (self.part.conversion_min_ns - self.part.read_end_ns) * self.clk_khz // 1_000_000
+        return max(ends - least, self.read_clocks() - 2 - self.busy_least, 1)
+
+    def overlap_clocks(self):
+        """Clocks after a trigger from which on samples and losses are of its conversion; 0: from the trigger
+        on. A loss is known after the watchdog, a sample after the first word of the shortest conversion."""
+        first = self.busy_least + 3 + spi_shift.word_clock(self.part.word_bits, self.half)
+        return min(self.busy_clocks + 4, first) if self.read_during else 0
 
     def latencies(self):
         """Per channel, clocks until its sample is offered to an always-ready consumer.
@@ -196,9 +233,12 @@ class AdcSpi:
         """
         if not self.part.has_busy:
             return max(self.read_clocks(), self.latencies()[-1]) + 1
+        spread = self.busy_clocks - self.busy_least if conversion_ns is None else 0
         if conversion_ns is None:
             conversion_ns = self.part.conversion_max_ns
         busy = int(conversion_ns * self.clk_khz // 1_000_000) + 1  # from the tick until BUSY is sampled low
+        if self.read_during:
+            return max(busy + 2 + self.guard_clocks(), spread + self.latencies()[-1] - 2)
         return busy + max(2 + self.read_clocks() + 1, self.latencies()[-1])
 
     def safe_period(self):

@@ -23,10 +23,13 @@ class Scan(ScanPlan):
 
     sample_bits: int = 17
     depth: int | None = None
+    overlap: int = 0  # clocks after a trigger in which the conversion before still sends
 
     def __post_init__(self):
         super().__post_init__()
         fits(self, sample_bits=(2, None))
+        if self.overlap == 1 or not 0 <= self.overlap < self.cycle:
+            raise ValueError(f"overlap = {self.overlap} must be 0 or lie in 2 .. {self.cycle - 1}")
         width = self.lanes * (self.sample_bits + 1)
         buffer = ScanBuffer(self.rows, self.beats, self.channels, width, self.depth)
         object.__setattr__(self, "buffer", buffer)

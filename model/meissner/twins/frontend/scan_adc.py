@@ -21,17 +21,20 @@ class ScanAdc:
     sclk_khz: int | None = None
     sample_bits: int = 17
     depth: int | None = None
+    read_during: bool = False  # a conversion is read while the next one runs
     adc: AdcSpi = field(init=False, repr=False, compare=False)
     scan: Scan = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         adc = AdcSpi(
-            *(self.part, self.channels, self.adc_lanes, self.clk_khz, self.sclk_khz, self.sample_bits, 1)
+            *(self.part, self.channels, self.adc_lanes, self.clk_khz, self.sclk_khz, self.sample_bits, 1),
+            read_during=self.read_during,
         )
         plan = Scan(
             *(self.rows, self.columns, self.lanes, self.channels, adc.hold_clocks(), adc.cycle_clocks()),
             sample_bits=self.sample_bits,
             depth=self.depth,
+            overlap=adc.overlap_clocks(),
         )
         object.__setattr__(self, "adc", adc)
         object.__setattr__(self, "scan", plan)

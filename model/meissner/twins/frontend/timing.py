@@ -22,19 +22,24 @@ def samples(skip, periods, samples_per_period):
     return skip + periods * samples_per_period
 
 
-def time_stamps(clocks):
-    """The clock of each frame's convert start; ``clocks``: (convert, valid, ready, last) of every clock.
+def time_stamps(clocks, read_during=False):
+    """The clock of each frame's convert start.
 
-    A frame's convert start is the last one before its first sample is offered.
+    ``clocks``: (convert, valid, ready, last, read) of every clock. A frame's convert start is the last one
+    before its first sample is offered; ``read_during``: before the last read that began before that.
     """
-    converted, frame, found = None, None, []
-    for now, (convert, valid, ready, last) in enumerate(clocks):
+    started, converted, frame, found = None, None, None, []
+    for now, (convert, valid, ready, last, read) in enumerate(clocks):
         if valid:
             if frame is None:
                 frame = converted
                 found.append(frame)
             if ready and last:
                 frame = None
+        if read and read_during:
+            converted = started
         if convert:
-            converted = now
+            started = now
+        if not read_during:
+            converted = started
     return found
