@@ -286,7 +286,7 @@ def test_other_models_are_refused(tmp_path):
             with pytest.raises(ValueError, match=says):
                 make(model)
     for model, says in (
-        (RandomForestRegressor(2), "TreeEnsembleRegressor decides no class: boosted"),
+        (RandomForestRegressor(2), "TreeEnsembleRegressor decides no class; boosted"),
         (GradientBoostingClassifier(n_estimators=2), "boosted"),
         (make_pipeline(StandardScaler(), DecisionTreeClassifier()), "it computes Scaler"),
         (DecisionTreeClassifier(max_depth=1), None),

@@ -44,8 +44,8 @@ def _ensemble(graph):
     import onnx
 
     for node in graph.node:
-        if node.op_type.startswith("TreeEnsemble") and node.op_type != "TreeEnsembleClassifier":
-            raise ValueError(f"{node.op_type} decides no class: {_BOOSTED}")
+        if node.op_type == "TreeEnsembleRegressor":
+            raise ValueError(f"a {node.op_type} decides no class; {_BOOSTED}")
         if node.op_type not in (*_BESIDE, "TreeEnsembleClassifier"):
             raise ValueError(f"it computes {node.op_type}, which the core does not; export the forest alone")
     found = [node for node in graph.node if node.op_type == "TreeEnsembleClassifier"]
