@@ -11,6 +11,8 @@ import onnxruntime
 import pytest
 import skl2onnx
 import skops.io
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from sklearn.datasets import load_wine
 from sklearn.ensemble import (
     AdaBoostClassifier,
@@ -106,6 +108,10 @@ def fewer(schema, arrays, tree):
     arrays["values"] = arrays["values"][:-1]
 
 
+def many_features(schema, arrays, tree):
+    tree["__reduce__"]["args"]["content"][0] |= {"content": str(1 << 60), "__id__": 4}
+
+
 def fewer_nodes(schema, arrays, tree):
     arrays["nodes"] = arrays["nodes"][:-1]
 
@@ -164,6 +170,7 @@ def no_array(schema, arrays, tree):
         (node("feature", 0, -2), "node 0: its feature -2 is none of 13"),
         (node("threshold", 0, np.nan), "node 0: its threshold is nan"),
         (count, "is not as skops writes it"),
+        (many_features, f"{1 << 60} features are not 1 to 1048576"),
         (fewer_nodes, "is not as skops writes it"),
         (fewer, "is not as skops writes it"),
         (wider, "is not as skops writes it"),
@@ -268,6 +275,19 @@ def test_onnx_files_that_are_no_forest_are_refused(tmp_path, name, field, index,
         meissner.Forest.from_file(tmp_path / "m.onnx")
 
 
+def test_an_onnx_file_may_leave_its_number_of_features_open_but_not_state_any(tmp_path):
+    model = KINDS[2].fit(X, Y)
+    made = onnx_of(tmp_path / "m.onnx", model)
+    size = made.graph.input[0].type.tensor_type.shape.dim[1]
+    size.dim_value = 1 << 60
+    (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+    with pytest.raises(ValueError, match=f"{1 << 60} features"):
+        meissner.Forest.from_file(tmp_path / "m.onnx")
+    size.dim_param = "many"  # then as many as the nodes ask for
+    (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+    assert meissner.Forest.from_file(tmp_path / "m.onnx").n_features_in_ == model.tree_.feature.max() + 1
+
+
 def test_other_models_are_refused(tmp_path):
     two = Y > 0
     for model, says in (
@@ -304,6 +324,49 @@ def test_other_models_are_refused(tmp_path):
     ):
         with pytest.raises(ValueError, match=says):
             meissner.Forest(model)
+
+
+def read_or_refused(path):
+    try:
+        forest = meissner.Forest.from_file(path)
+    except ValueError as problem:
+        assert str(problem).startswith(str(path)) and "\n" not in str(problem)
+    else:
+        forest.process(np.zeros((1, forest.n_features_in_)))
+
+
+ANY = st.none() | st.booleans() | st.integers() | st.text(max_size=4) | st.lists(st.integers(), max_size=2)
+FUZZ = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@FUZZ
+@given(st.data())
+def test_any_byte_of_an_onnx_file_may_change(tmp_path, data):
+    onnx_of(tmp_path / "m.onnx", DecisionTreeClassifier(max_depth=2, random_state=0).fit(X, Y))
+    whole = bytearray((tmp_path / "m.onnx").read_bytes())
+    for _ in range(data.draw(st.integers(1, 3))):
+        whole[data.draw(st.integers(0, len(whole) - 1))] = data.draw(st.integers(0, 255))
+    (tmp_path / "m.onnx").write_bytes(whole)
+    read_or_refused(tmp_path / "m.onnx")
+
+
+@FUZZ
+@given(st.data())
+def test_any_value_of_a_skops_file_may_change(tmp_path, data):
+    def change(schema, arrays, tree):
+        inner = data.draw(st.sampled_from([schema, tree]))
+        while True:
+            keys = sorted(inner) if isinstance(inner, dict) else range(len(inner))
+            key = data.draw(st.sampled_from(keys))
+            if not isinstance(inner[key], dict | list) or not inner[key] or data.draw(st.integers(0, 5)) == 0:
+                break
+            inner = inner[key]
+        inner[key] = data.draw(ANY)
+
+    path = tmp_path / "m.skops"
+    skops.io.dump(DecisionTreeClassifier(max_depth=2, random_state=0).fit(X, Y), path)
+    changed(path, change)
+    read_or_refused(path)
 
 
 @pytest.mark.parametrize("suffix", ["skops", "onnx", "joblib"])

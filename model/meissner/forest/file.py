@@ -18,6 +18,7 @@ ONE = 65535  # a probability of one
 INTEGER_LIMIT = 1 << 24  # float32 holds the integers below it
 MAX_TREES = 65535  # so that a sum of votes has 32 bits
 MAX_CLASSES = 65536
+MAX_FEATURES = 1 << 20
 _PARTS = ("format", "version", "source", "classes", "features", "leaves", "trees")
 _LISTS = ("feature", "threshold", "left", "right")
 
@@ -269,7 +270,7 @@ def check(whole, sums=False):
     if type(whole["source"]) is not str:
         raise ValueError("source must be a string")
     classes = _check_classes(whole["classes"])
-    listed = enumerate(_check_list(whole["features"], "features", 1 << 20))
+    listed = enumerate(_check_list(whole["features"], "features", MAX_FEATURES))
     features = [_feature(value, f"feature {index}") for index, value in listed]
     leaves = _leaves(whole["leaves"], len(classes))
     bounds = np.array([each.bounds for each in features], np.int64)

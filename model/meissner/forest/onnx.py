@@ -3,7 +3,7 @@
 import numpy as np
 
 from meissner.forest.quantise import SUM_ERROR, Raw, check, quantise
-from meissner.forest.sklearn import EXTRA
+from meissner.forest.sklearn import EXTRA, refusal
 
 _BESIDE = ("Identity", "Cast", "ZipMap")  # pass the features, or the results
 _BOOSTED = "boosted trees add margins, which is another vote than a forest's"
@@ -28,15 +28,9 @@ def of_file(path, integer=(), trust=False):
     except ImportError:
         raise ValueError(f"{path} needs onnx: {EXTRA}") from None
     try:
-        model = onnx.load_model_from_string(path.read_bytes())
-    except OSError:
-        raise
-    except Exception:  # protobuf's own error, of one of several modules
-        raise ValueError(f"{path} is no whole ONNX file") from None
-    try:
-        return of_model(model, integer)
-    except ValueError as problem:
-        raise ValueError(f"{path}: {problem}") from None
+        return of_model(onnx.load_model_from_string(path.read_bytes()), integer)
+    except Exception as problem:
+        raise refusal(path, problem) from None
 
 
 def _ensemble(graph):

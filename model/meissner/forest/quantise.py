@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from meissner.forest.file import ONE, Feature, Model, Tree
+from meissner.forest.file import MAX_FEATURES, ONE, Feature, Model, Tree
 from meissner.forest.words import fits
 
 # Of what a leaf's probabilities add up to, by which it may miss one: float32 weights of an ONNX model.
@@ -29,6 +29,8 @@ class Raw(NamedTuple):
 
 def check(tree, features, classes, place):
     """Raise ValueError unless ``tree`` is a tree over ``features``: before anything follows its indices."""
+    if not 1 <= features <= MAX_FEATURES:
+        raise ValueError(f"{place}: {features} features are not 1 to {MAX_FEATURES}")
     count = len(tree.left)
     shapes = {np.shape(part) for part in tree[:4]} | {np.shape(tree.value)[:1]}
     if not count or shapes != {(count,)} or np.shape(tree.value) != (count, classes):

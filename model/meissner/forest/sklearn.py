@@ -20,14 +20,18 @@ def of_file(path, integer=(), trust=False):
     except ImportError:
         raise ValueError(f"{path} needs scikit-learn: {EXTRA}") from None
     try:
-        model = joblib.load(path)
+        return of_model(joblib.load(path), integer)
     except Exception as problem:
-        raise ValueError(f"{path} cannot be loaded: {_line(problem)}") from None
-    return of_model(model, integer)
+        raise refusal(path, problem) from None
 
 
-def _line(problem):
-    return str(problem).partition("\n")[0] or type(problem).__name__
+def refusal(path, problem):
+    """The sentence for whatever loading a damaged file raises: it can fail anywhere."""
+    if isinstance(problem, OSError) and problem.filename:
+        return problem
+    line = str(problem).partition("\n")[0]
+    ours = isinstance(problem, ValueError) and line
+    return ValueError(f"{path}: {line if ours else f'it is damaged ({type(problem).__name__}: {line})'}")
 
 
 def of_model(model, integer=()):
@@ -66,7 +70,7 @@ def _raw(each, features, classes, place):
         raise ValueError(f"{place}: its values {tree.value.shape} do not fit {classes} classes")
     names = ("feature", "threshold", "children_left", "children_right")
     takes_missing = getattr(each, "_support_missing_values", None)
-    takes_missing = takes_missing is not None and takes_missing(np.zeros((1, features)))
+    takes_missing = takes_missing is not None and takes_missing(np.zeros((1, 1)))
     value = tree.value[:, 0]
     raw = Raw(
         *(getattr(tree, name) for name in names),

@@ -9,7 +9,7 @@ import zipfile
 import numpy as np
 
 from meissner.forest.quantise import Raw, check
-from meissner.forest.sklearn import EXTRA, of_model
+from meissner.forest.sklearn import EXTRA, of_model, refusal
 
 TREE = "sklearn.tree._tree.Tree"
 _STATE = {"max_depth", "node_count", "nodes", "values"}
@@ -33,14 +33,8 @@ def of_file(path, integer=(), trust=False):
         except zipfile.BadZipFile:
             raise ValueError("it is no whole skops file") from None
         return of_model(model, integer)
-    except OSError:
-        raise
-    except Exception as problem:  # a damaged file can fail anywhere in loading
-        says = str(problem).partition("\n")[0]
-        says = (
-            says if isinstance(problem, ValueError) else f"it is damaged ({type(problem).__name__}: {says})"
-        )
-        raise ValueError(f"{path}: {says}") from None
+    except Exception as problem:
+        raise refusal(path, problem) from None
 
 
 def _nodes(schema):
