@@ -483,6 +483,7 @@ async def goes_on_after_an_upset(dut):
     for register, value in upsets:
         for at in (0, 1, 2, *draw.sample(range(3, harness.period), 4)):
             sent, lost = len(harness.beats), len(harness.losses)
+            risen = part.has_busy and harness.part.reset_rose
             await harness.run(at)
             register.value = value
             ends = (register._name, value) == ("run_o", 0)  # the frame, and nothing after it
@@ -492,8 +493,10 @@ async def goes_on_after_an_upset(dut):
             starts = [n for n, channel in enumerate(ids) if channel == 0]
             pieces = [ids[start:end] for start, end in pairwise([*starts, len(ids)])]
             whole = pieces.count([*range(channels)])
+            # A part's long reset loses the tick in the stretch's last clocks, too, and at once.
+            resets = during and bool(part.setup) and harness.part.reset_rose != risen
             if register._name in ("state_q", "run_o"):
-                assert whole + lost == 2 - ends, what
+                assert whole + lost == 2 - ends + resets, what
                 # The words of a plain part go on.
                 assert not (part is MCP3208 and register is dut.state_q and value > 1 and at and lost), what
             # A setup in mid-frame ends one whose samples leave one by one.
@@ -989,10 +992,8 @@ def test_adc_spi(parameters):
     skipped = ["triggers_"]
     skipped += [] if PARTS[parameters["Part"]].has_busy else ["busy_"]
     skipped += [] if parameters.get("ReadDuring") else ["reading_"]
-    # These two choose their moments by an AD7606's read, which lasts longer than its conversion's first half.
-    skipped += (
-        ["goes_on_", "reading_stops_"] if parameters.get("ReadDuring") and parameters["Part"] != 2 else []
-    )
+    # An AD7606C-16's bench never comes to a clock in which it reads while BUSY is high and CONVST is.
+    skipped += ["reading_stops_"] if parameters["Part"] == 6 else []
     skipped += [] if PARTS[parameters["Part"]].tagged else ["tag_"]
     bench.run("frontend", "adc_spi", parameters, test_filter=rf"^(?!.*({'|'.join(skipped)}))")
 
