@@ -319,7 +319,7 @@ def test_what_does_not_fit_is_refused_with_what_is_missing(capsys, tmp_path):
          "25 MHz"),
         ("ulx3s", "about = 'no more'", "refused-here.toml: "),
         ("ulx3s", "[[[", "TOML"),
-        ("ulx3s", users.array(25.0, "MCP3208", 2, 4, 3, 2), "1, 2, 4, 8"),
+        ("ulx3s", users.array(25.0, "MCP3208", 2, 4, 9, 2), "must lie in 1 .. 8"),
     ],
 )  # fmt: skip
 def test_a_bad_file_is_answered_by_a_sentence(capsys, tmp_path, board, text, said):

@@ -72,7 +72,7 @@ def netlists():
     for board, name, _ in CASES:
         folders.append(folder := written(board, name))
         # The package again, whose types Yosys's reader forgets.
-        files = ["rtl/msn_pkg.sv", *board.sources, f"{folder}/{board.top}.sv"]
+        files = ["rtl/msn_pkg.sv", "rtl/frontend/msn_adc_pkg.sv", *board.sources, f"{folder}/{board.top}.sv"]
         script += [
             "design -load sources",
             f"read_verilog -sv -nooverwrite -I{folder} {' '.join(files)}",

@@ -144,7 +144,13 @@ def test_ctrl_c_ends_every_process(tmp_path):
     """The pipe ends only when all that write to it have ended."""
     command = [sys.executable, "-m", "meissner.cli", "run", "slip_materials", "--jobs", "2"]
     process = subprocess.Popen(
-        [*command, "--out", str(tmp_path / "out")], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [*command, "--out", str(tmp_path / "out")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(
+            signal.SIGINT, signal.default_int_handler
+        ),  # ignored in a background job
     )
     while len(began := children(process)) < 3 and process.poll() is None:  # two, and multiprocessing's own
         time.sleep(0.01)

@@ -98,7 +98,7 @@ async def begin(dut, stall=0.0):
 
 async def send(dut, frames, lanes, gap=0.0, between=0):
     draw = random.Random(f"{bench.SEED} source")
-    for frame in frames:
+    for frame in map(np.atleast_2d, frames):
         beats = np.pad(frame, ((0, 0), (0, -frame.shape[1] % lanes)), constant_values=999).reshape(-1, lanes)
         for n, beat in enumerate(beats):
             while draw.random() < gap:

@@ -31,7 +31,7 @@ PARTS = [(part, volts) for part, several in PARTS.items() for volts in several]
 ROWS, COLUMNS = 6, 7
 
 
-def default(part, volts, wiring=None, rate_hz=500.0):
+def default(part, volts, wiring=None, rate_hz=400.0):
     """An array with health and nothing said of it."""
     adc = {"part": part, "volts": volts, "rate_hz": rate_hz, "channels": 4}
     sensor = {"kind": "array", "rows": ROWS, "columns": COLUMNS} | ({"wiring": wiring} if wiring else {})

@@ -87,7 +87,14 @@ def begun(out, *more):
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "TOY_SECONDS": "0.01"}
     command = [sys.executable, "-c", CLI, "tradeoff", "--workers", "2", "--out", str(out), *more]
     return subprocess.Popen(
-        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(
+            signal.SIGINT, signal.default_int_handler
+        ),  # ignored in a background job
     )
 
 

@@ -48,6 +48,9 @@ def _alone(work, scene, engine, task):
     return core, work(scene, core, *task)
 
 
+_warm: set[tuple[str, str]] = set()  # (engine, feature) that ran in this process
+
+
 class TimedEngine:
     """An engine of meissner.engines. A call that needs a feature beyond ``features`` raises ValueError.
 
@@ -57,14 +60,14 @@ class TimedEngine:
 
     def __init__(self, engine, features):
         self.engine, self.features = engine, features
-        self.taken_s, self.samples, self.differences, self._warm = 0.0, 0, 0, set()
+        self.taken_s, self.samples, self.differences = 0.0, 0, 0
 
     def _call(self, feature, run, x, first=None):
         """``run(x, engine)``; ``first``: a short input, by default the first of ``x``."""
         if feature not in self.features:
             raise ValueError(f"the core is built without {feature}: it has {', '.join(self.features)}")
-        if feature not in self._warm:  # built and warm before it is timed
-            self._warm.add(feature)
+        if (self.engine, feature) not in _warm:  # built and warm before it is timed
+            _warm.add((self.engine, feature))
             run(x[:1] if first is None else first, self.engine)
         started = time.perf_counter()
         result = run(x, self.engine)
