@@ -493,7 +493,14 @@ def test_it_has_every_feature_of_the_core():
     """Except those that need a converter's pins, and the outputs that AXI replaces."""
     declared = re.compile(r"^  parameter +bit +(\w+)", re.MULTILINE)
     core_text, axis_text = ((ROOT / f"rtl/msn_{name}.sv").read_text() for name in ("core", "axis"))
-    own = set(declared.findall(core_text)) - {"Demod", "Serial", "Registers", "Uart", "SlipOnly", "ReadDuring"}
+    own = set(declared.findall(core_text)) - {
+        "Demod",
+        "Serial",
+        "Registers",
+        "Uart",
+        "SlipOnly",
+        "ReadDuring",
+    }
     assert own == set(declared.findall(axis_text)) and len(own) >= 12
     for name in own:
         assert f".{name}({name})" in axis_text, name
