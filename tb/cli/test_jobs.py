@@ -6,7 +6,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness import command
 from meissner import cli, pool, scenes
 from meissner.pool import Spread
 from meissner.run import run, with_runs
@@ -142,16 +142,8 @@ def runs(child):
 
 def test_ctrl_c_ends_every_process(tmp_path):
     """The pipe ends only when all that write to it have ended."""
-    command = [sys.executable, "-m", "meissner.cli", "run", "slip_materials", "--jobs", "2"]
-    process = subprocess.Popen(
-        [*command, "--out", str(tmp_path / "out")],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(
-            signal.SIGINT, signal.default_int_handler
-        ),  # ignored in a background job
-    )
+    given = "run", "slip_materials", "--jobs", 2, "--out", tmp_path / "out"
+    process = command.started(*given, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     while len(began := children(process)) < 3 and process.poll() is None:  # two, and multiprocessing's own
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)

@@ -60,14 +60,19 @@ def meissner(*arguments, cwd="."):
     return subprocess.CompletedProcess(arguments, process.exitcode, out, err)
 
 
-def started(*arguments, **more):
-    """The Popen of a command, as a shell starts it in the foreground: a background job ignores Ctrl-C and
+def python(*arguments, **more):
+    """The Popen of a Python, as a shell starts it in the foreground: a background job ignores Ctrl-C and
     passes that on to its children."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        return subprocess.Popen([sys.executable, "-m", "meissner.cli", *map(str, arguments)], **more)
+        return subprocess.Popen([sys.executable, *map(str, arguments)], **more)
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def started(*arguments, **more):
+    """The Popen of a command, as a shell starts it in the foreground."""
+    return python("-m", "meissner.cli", *arguments, **more)
 
 
 def ended(seen, *arguments):

@@ -9,6 +9,7 @@ import tomllib
 
 import pytest
 
+from harness import command
 from meissner.builds import toolchain
 from nightly import __main__ as nightly
 from nightly import limits, page, since
@@ -150,13 +151,7 @@ def test_a_run_that_is_stopped_takes_its_checks_along(tmp_path, held, which):
     source, ours, theirs = held
     code = NIGHTLY.format(theirs, source("tool.wait()"), str(tmp_path))
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job's children ignore it
-    try:
-        process = subprocess.Popen(
-            [sys.executable, "-c", code], pass_fds=[theirs], env=environment, stderr=subprocess.DEVNULL
-        )
-    finally:
-        signal.signal(signal.SIGINT, before)
+    process = command.python("-c", code, pass_fds=[theirs], env=environment, stderr=subprocess.DEVNULL)
     os.close(theirs)
     assert os.read(ours, 9) == b"x"
     process.send_signal(which)

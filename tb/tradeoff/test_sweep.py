@@ -12,6 +12,7 @@ from contextlib import nullcontext
 
 import pytest
 
+from harness import command
 from meissner.tradeoff import store, sweep, worker
 from tradeoff import toy
 
@@ -85,17 +86,8 @@ def test_a_point_that_fails_is_named_and_measured_again(tmp_path):
 def begun(out, *more):
     """The command on the toy axis, started as a process."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "TOY_SECONDS": "0.01"}
-    command = [sys.executable, "-c", CLI, "tradeoff", "--workers", "2", "--out", str(out), *more]
-    return subprocess.Popen(
-        command,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(
-            signal.SIGINT, signal.default_int_handler
-        ),  # ignored in a background job
-    )
+    given = "-c", CLI, "tradeoff", "--workers", 2, "--out", out, *more
+    return command.python(*given, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
