@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from meissner import engines, run, scenes
-from meissner.scenes import timed
 from meissner.scenes.grip import run as cop_slip
 from meissner.scenes.grip.scene import Grip, Pull
 from meissner.twins.cop.cop_slip import CopSlipRegisters, CopSlipResult
@@ -189,7 +188,6 @@ def test_a_core_that_differs_is_reported(tmp_path, monkeypatch, undrawn):
         return found, decisions
 
     monkeypatch.setattr(module, "cop_slip", spoiled)
-    monkeypatch.setattr(timed, "_warm", set())
     assert run.run(few(), "rtl", tmp_path)["twin_mismatches"] == 3
 
 

@@ -11,7 +11,6 @@ from msgspec import structs
 from meissner import engines, scenes
 from meissner.engines import Watched, fixed
 from meissner.run import run
-from meissner.scenes import timed
 from meissner.scenes.rubber import judge as judging
 from meissner.scenes.rubber import run as slip_run
 from meissner.scenes.timed import mismatches
@@ -167,7 +166,6 @@ def watched_by(tmp_path, monkeypatch, engine, seed, spoil=lambda watched: watche
         return spoil(watch(codes, config, moving))
 
     monkeypatch.setattr(module, "watch", spy)
-    monkeypatch.setattr(timed, "_warm", set())
     return run(scene, engine, tmp_path, seed), seen[1:]  # the first call only warms up
 
 

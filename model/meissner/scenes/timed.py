@@ -32,8 +32,9 @@ def mismatches(ours, twin):
 def each(scene, engine, work, tasks, spread):
     """(a TimedEngine with the sums of all tasks, [``work(scene, its own TimedEngine, *task)`` of each task]).
 
-    ``work``: a module's function; ``spread``: pool.Spread.
+    ``work``: a module's function; ``spread``: pool.Spread. A process builds and warms each feature up once.
     """
+    _WARM.clear()
     cores, found = zip(*spread.map(partial(_alone, work, scene, engine), tasks))
     total = TimedEngine(engine, scene.features)
     for core in cores:
@@ -43,12 +44,12 @@ def each(scene, engine, work, tasks, spread):
     return total, found
 
 
+_WARM = set()  # features that are warm in this process, for the tasks of a run
+
+
 def _alone(work, scene, engine, task):
-    core = TimedEngine(engine, scene.features)
+    core = TimedEngine(engine, scene.features, _WARM)
     return core, work(scene, core, *task)
-
-
-_warm: set[tuple[str, str]] = set()  # (engine, feature) that ran in this process
 
 
 class TimedEngine:
@@ -58,16 +59,17 @@ class TimedEngine:
     integer twins'.
     """
 
-    def __init__(self, engine, features):
+    def __init__(self, engine, features, warm=None):
         self.engine, self.features = engine, features
         self.taken_s, self.samples, self.differences = 0.0, 0, 0
+        self._warm = set() if warm is None else warm
 
     def _call(self, feature, run, x, first=None):
         """``run(x, engine)``; ``first``: a short input, by default the first of ``x``."""
         if feature not in self.features:
             raise ValueError(f"the core is built without {feature}: it has {', '.join(self.features)}")
-        if (self.engine, feature) not in _warm:  # built and warm before it is timed
-            _warm.add((self.engine, feature))
+        if feature not in self._warm:  # built and warm before it is timed
+            self._warm.add(feature)
             run(x[:1] if first is None else first, self.engine)
         started = time.perf_counter()
         result = run(x, self.engine)
