@@ -187,8 +187,7 @@ class Grip:
                 goal = before + wish
             elif falls:
                 goal = before - config.decay
-            goal = min(max(goal, config.minimum), config.maximum)
-            self.command = min(max(goal, before - config.rate), before + config.rate)
+            self.command = self._limited(goal, before)
             increment = self.command - before
         else:  # the first cycle since reset or a change of mode: the hand does not move
             increment = 0
@@ -199,17 +198,27 @@ class Grip:
                 self.armed = True
 
         self.fault = SILENT * any(silent) | UNHEALTHY * (not all(healthy)) | UNARMED * (not valid)
-        self.fault |= LIMIT * (valid and self.command >= config.maximum)
-        self.fault |= SETTINGS * (config.minimum > config.maximum)
+        self.fault |= self._limits(valid)
         word = increment if config.mode == "position" else self.command
         return Command(increment, self.command, self.fault, valid, word, tuple(faulty))
 
+    def _limited(self, goal, before):
+        """The command towards ``goal`` from the command ``before``."""
+        config = self.config
+        goal = min(max(goal, config.minimum), config.maximum)
+        return min(max(goal, before - config.rate), before + config.rate)
+
+    def _limits(self, valid=True):
+        """The faults that say how the command lies to the limits."""
+        config = self.config
+        at_limit = valid and self.command >= config.maximum
+        return LIMIT * at_limit | SETTINGS * (config.minimum > config.maximum)
+
     def rest(self, cycles):
         """The increments of ``cycles`` in which every finger has a decision and none was over."""
-        config, command, found = self.config, self.command, []
+        command, found = self.command, []
         for _ in range(cycles):
-            goal = min(max(command - config.decay, config.minimum), config.maximum)
-            found.append(min(max(goal, command - config.rate), command + config.rate) - command)
+            found.append(self._limited(command - self.config.decay, command) - command)
             command += found[-1]
         return found
 
@@ -219,12 +228,10 @@ class Grip:
         (increment, command, fault, 0 for no faulty finger) of each, as ``decision`` and ``cycle`` give them
         for an armed reflex whose windows were not over.
         """
-        found, config = [], self.config
+        found = []
         for increment in increments:
             self.command += increment
-            self.fault = LIMIT * (self.command >= config.maximum) | SETTINGS * (
-                config.minimum > config.maximum
-            )
+            self.fault = self._limits()
             found.append((increment, self.command, self.fault, 0))
         self._quiet = [0] * self.fingers
         if ended:
