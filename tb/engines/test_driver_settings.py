@@ -14,6 +14,7 @@ import pytest
 from meissner.engines import Carrier, rtl_cop, rtl_cop4, rtl_frontend, rtl_slip
 from meissner.twins.cop.cop4 import Cop4Registers, cop4
 from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
+from meissner.twins.frontend import adc_spi
 from meissner.twins.frontend.am_demod import AmDemod
 from meissner.twins.slip.config import SlipConfig
 
@@ -212,7 +213,7 @@ def test_latencies_at_the_pins(part, level, offered):
     config = SlipConfig(32, 32, level)
     parameters = rtl_slip._parameters(1, config)
     parameters |= {
-        "Adc": rtl_slip.ADC_PARTS[part],
+        "Adc": adc_spi.BY_NAME[part].number,
         "ClkKhz": rtl_slip.PIN_CLK_KHZ,
         "SclkKhz": rtl_slip.PIN_SCLK_KHZ,
     }

@@ -12,9 +12,9 @@ from meissner.builds import boards
 from meissner.builds.build import Config, verilog
 from meissner.builds.keys import ArrayAdc
 from meissner.engines import verilated
+from meissner.engines.rtl_slip import busy_clocks
 from meissner.twins.link.uart import sixteenths
 
-CONVERSION_NS = 4000  # of a converter with BUSY, or its longest if that is shorter
 PIECE = 2000  # clocks simulated per read of the line
 
 
@@ -77,7 +77,7 @@ class CoreOnPins:
         places = len(config.scan.scan.places()) if array else 1
         shown = 0 if board is None else config.period_clocks
         bit = sixteenths(1000 * config.clk_khz, config.link.baud)
-        busy = min(CONVERSION_NS, config.part.conversion_max_ns) * config.clk_khz // 1_000_000
+        busy = busy_clocks(config.part, config.clk_khz)
         self._core = self._lib.sensor_new(size, busy, places, shown, codes.ctypes.data, len(codes), bit)
         self._waiting = bytearray()
 

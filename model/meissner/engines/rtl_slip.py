@@ -14,15 +14,21 @@ from meissner.arrays import Bools, Ints
 from meissner.engines import Watched
 from meissner.engines.protocol import PinRecording, Waves, Windows
 from meissner.engines.verilated import library
+from meissner.twins.frontend.adc_spi import BY_NAME, Part
 from meissner.twins.link.registers import ADDRESSES, members, words
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 
-ADC_PARTS = {"MCP3208": 1, "AD7606": 2, "AD7606C-16": 6}  # msn_pkg::adc_part_e
 # The parts of msn_core that slip does not need are left out; packets go as bytes to nobody.
 _CORE = {"Uart": 0, "Statistics": 0, "SlipDepth": 2}
 # The clock of a pin-level run: the slowest with the MCP3208's full 2 MHz, since simulation takes time per
-# clock. BUSY then lasts 4 us, as the AD7606's does, or 0.5 us.
-PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, {"AD7606": 16, "AD7606C-16": 2}
+# clock.
+PIN_CLK_KHZ, PIN_SCLK_KHZ = 4000, 2000
+CONVERSION_NS = 4000  # of a converter with BUSY, or its longest if that is shorter
+
+
+def busy_clocks(part: Part, clk_khz: int) -> int:
+    """Clocks for which the model of a converter is busy; 0 without BUSY."""
+    return min(CONVERSION_NS, part.conversion_max_ns) * clk_khz // 1_000_000
 
 
 class _PinFacts(ctypes.Structure):
@@ -103,10 +109,10 @@ class Core:
         moving = np.ascontiguousarray(moving, dtype=np.uint8)
         p2p = np.empty(codes.size, dtype=np.uint32)
         flags = np.empty(codes.size, dtype=np.uint8)
-        facts = _PinFacts()
+        facts, converter = _PinFacts(), BY_NAME[part]
         self._write(words("adc", {"period": period}, {}))
         count = self._lib.core_pins(
-            *(self._core, ADC_PARTS[part], PIN_BUSY_CLOCKS.get(part, 0), ADDRESSES["adc.enable"]),
+            *(self._core, converter.number, busy_clocks(converter, PIN_CLK_KHZ), ADDRESSES["adc.enable"]),
             *(codes.ctypes.data, codes.size),
             *(moving.ctypes.data, p2p.ctypes.data, flags.ctypes.data, p2p.size, *trace),
             *(None if trace_path is None else str(trace_path).encode(), PIN_CLK_KHZ, ctypes.byref(facts)),
@@ -157,7 +163,7 @@ def watch_pins(recording: PinRecording, config: SlipConfig, waves: Waves = None)
     part = recording.scene.adc_part
     period = round(PIN_CLK_KHZ * 1000 / recording.scene.rate_hz)
     parameters = _parameters(1, config) | {
-        "Adc": ADC_PARTS[part],
+        "Adc": BY_NAME[part].number,
         "ClkKhz": PIN_CLK_KHZ,
         "SclkKhz": PIN_SCLK_KHZ,
     }

@@ -83,6 +83,7 @@ AD7606C = Part(
 MAX11131 = _max("max11131", 7, 12, 48_000)
 _ALL = (MCP3208, AD7606, MAX11123, MAX11124, MAX11125, AD7606C, MAX11131)
 PARTS = {part.number: part for part in _ALL}
+BY_NAME = {part.name.upper(): part for part in _ALL}
 
 
 def clocks_of_ns(ns, clk_khz):
