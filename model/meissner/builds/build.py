@@ -111,8 +111,7 @@ class Config:
     @cached_property
     def settling(self) -> Settling:
         """What the scan of an array waits for."""
-        adc = self._array_adc
-        return Settling(self.scan, adc.volts, adc.settle_share, adc.source_ohm)
+        return self._array_adc.settling(self.scan)
 
     @cached_property
     def settle_clocks(self) -> int:
@@ -122,12 +121,7 @@ class Config:
     @cached_property
     def scan(self) -> ScanAdc:
         """Twin of the scan, for an array."""
-        adc = self._array_adc
-        return ScanAdc(
-            *(*self.shape, adc.converters, self.part),
-            *(adc.channels, adc.lanes, self.clk_khz, adc.sclk_khz),
-            read_during=adc.read == "during",
-        )
+        return self._array_adc.scan(*self.shape, self.clk_khz)
 
     @cached_property
     def converter(self) -> AdcSpi:

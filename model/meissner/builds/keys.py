@@ -12,10 +12,9 @@ from meissner.builds.input_range import Sensed
 from meissner.builds.read_by import Eight, ReadBy, Scanning
 from meissner.builds.slip_table import SlipNewtons, SlipVolts
 from meissner.tables import Positive, Table, shown
-from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
-from meissner.twins.frontend.adc_spi import Part
+from meissner.twins.frontend.adc_spi import BY_NAME, Part
 
-PARTS: dict[str, Part] = {part.name.upper(): part for part in ADC_PARTS.values()}
+PARTS: dict[str, Part] = BY_NAME
 Side = Annotated[int, Meta(ge=1, le=256)]
 Byte = Annotated[int, Meta(ge=0, le=255)]
 Code = Annotated[int, Meta(ge=0, le=65535)]

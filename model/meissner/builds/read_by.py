@@ -1,11 +1,15 @@
 """The keys of a converter in builds and scenes (docs/config.md)."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from msgspec import Meta
 
 from meissner.physics.front import SOURCE_OHM
 from meissner.tables import Positive, Table, one_of
+
+if TYPE_CHECKING:
+    from meissner.builds.settling import Settling
+    from meissner.twins.frontend.scan_adc import ScanAdc
 
 Eight = Annotated[int, Meta(ge=1, le=8)]
 
@@ -21,11 +25,10 @@ class ReadBy(Table, frozen=True, kw_only=True):
     read: Literal["after", "during"] = "after"
 
     def __post_init__(self) -> None:
-        from meissner.twins.frontend.adc_spi import PARTS  # a scene that is not scanned needs no twin of it
+        from meissner.twins.frontend.adc_spi import BY_NAME  # a scene that is not scanned needs no twin of it
 
-        parts = {part.name.upper(): part for part in PARTS.values()}
-        one_of("part", self.part, list(parts))
-        if self.read == "during" and not parts[self.part].has_busy:
+        one_of("part", self.part, list(BY_NAME))
+        if self.read == "during" and not BY_NAME[self.part].has_busy:
             raise ValueError(f"read = 'during' must be 'after' for part = '{self.part}', which has no BUSY")
 
 
@@ -38,3 +41,20 @@ class Scanning(ReadBy, frozen=True, kw_only=True):
     settle_us: Annotated[float, Meta(ge=0, le=1000)] | None = None
     settle_share: Annotated[float, Meta(gt=0, le=1)] | None = None
     source_ohm: Annotated[float, Meta(ge=0, le=1e6)] = SOURCE_OHM
+
+    def scan(self, rows: int, columns: int, clk_khz: int) -> "ScanAdc":
+        """The twin of the scan of an array with these converters."""
+        from meissner.twins.frontend.adc_spi import BY_NAME
+        from meissner.twins.frontend.scan_adc import ScanAdc
+
+        return ScanAdc(
+            *(rows, columns, self.converters, BY_NAME[self.part]),
+            *(self.channels, self.lanes, clk_khz, self.sclk_khz),
+            read_during=self.read == "during",
+        )
+
+    def settling(self, scan: "ScanAdc") -> "Settling":
+        """What ``scan`` waits for."""
+        from meissner.builds.settling import Settling
+
+        return Settling(scan, self.volts, self.settle_share, self.source_ohm)

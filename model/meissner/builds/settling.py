@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, isinf
 
+from meissner.builds.units import Units
 from meissner.physics import front
 from meissner.tables import exact
 from meissner.twins.frontend.scan_adc import ScanAdc
@@ -62,9 +63,9 @@ class Settling:
 
     def clocks(self, settle_us: float | None) -> int:
         """Clocks that last at least ``settle_us``; None: as long as is needed, at least LEAST_SETTLE_S."""
-        least = 1 if settle_us is not None else self.needed_clocks
+        least = 0 if settle_us is not None else self.needed_clocks
         given_us = 1e6 * front.LEAST_SETTLE_S if settle_us is None else settle_us
-        return max(least, ceil(exact(given_us) * self.scan.clk_khz / 1000))
+        return max(least, Units(clk_khz=self.scan.clk_khz).settle_clocks(exact(given_us) / 1_000_000))
 
     def left(self, clocks: int) -> list[float]:
         """Share of the old row that remains at most after so many clocks, for each of ``paths``."""

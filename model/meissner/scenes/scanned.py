@@ -33,25 +33,10 @@ class Scan:
 
 def build(where: str, keys: ScanKeys, rows: int, columns: int, rate_hz: float) -> Scan:
     """The Scan of an array with that many frames a second; ``where`` begins the sentence of a ValueError."""
-    from meissner.builds.settling import Settling  # with twins that only a scanned array needs
-    from meissner.twins.frontend.adc_spi import PARTS
-    from meissner.twins.frontend.scan_adc import ScanAdc
-
-    part = next(part for part in PARTS.values() if part.name.upper() == keys.part)
     with naming(f"{where}, [scan]"):
         clk_khz = round(1000 * keys.mhz)
-        size = (
-            rows,
-            columns,
-            keys.converters,
-            part,
-            keys.channels,
-            keys.lanes,
-            clk_khz,
-            keys.sclk_khz,
-        )
-        twin = ScanAdc(*size, read_during=keys.read == "during")
-        settling = Settling(twin, keys.volts, keys.settle_share, keys.source_ohm)
+        twin = keys.scan(rows, columns, clk_khz)
+        settling = keys.settling(twin)
         settle = settling.clocks(keys.settle_us)
         settling.check(settle)
         frame_s = twin.scan.frame_clocks(settle) / (1000 * clk_khz)
