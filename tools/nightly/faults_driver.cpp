@@ -399,40 +399,13 @@ void read(const char *path) {
   for (long n = 1; n < option("repeat", 1); ++n) rows.insert(rows.end(), once.begin(), once.end());
 }
 
-// A converter at the pins of lane ``lane``.
-struct Converter {
-  meissner::Mcp3208 mcp3208;
-  meissner::Ad7606 ad7606{60};
-  meissner::Ad7606c ad7606c{10};
-  meissner::Max1112x<8> max8;
-  meissner::Max1112x<10> max10;
-  meissner::Max1112x<12> max12;
-  uint32_t miso = 0;
-  bool busy = false;
-
-  template <typename Part>
-  void step(Part &part, bool cs_n, bool sclk, bool mosi, bool convst, const int32_t *codes) {
-    part.step(cs_n, sclk, mosi, convst, codes);
-    miso = part.miso;
-    busy = part.busy;
-  }
-  void step(long part, bool cs_n, bool sclk, bool mosi, bool convst, const int32_t *codes) {
-    if (part == 1) step(mcp3208, cs_n, sclk, mosi, convst, codes);
-    if (part == 2) step(ad7606, cs_n, sclk, mosi, convst, codes);
-    if (part == 3) step(max8, cs_n, sclk, mosi, convst, codes);
-    if (part == 4) step(max10, cs_n, sclk, mosi, convst, codes);
-    if (part == 5 || part == 7) step(max12, cs_n, sclk, mosi, convst, codes);
-    if (part == 6) step(ad7606c, cs_n, sclk, mosi, convst, codes);
-  }
-};
-
 uint32_t chance(uint64_t x) {  // a good enough hash
   x ^= x >> 33, x *= 0xff51afd7ed558ccdull, x ^= x >> 33, x *= 0xc4ceb9fe1a85ec53ull, x ^= x >> 33;
   return static_cast<uint32_t>(x);
 }
 
 struct Pins {
-  std::vector<Converter> converters;
+  std::vector<std::unique_ptr<meissner::Converter>> converters;  // of each lane
   int cs = find("adc_cs_n_o"), sclk = find("adc_sclk_o"), mosi = find("adc_mosi_o"), miso = find("adc_miso_i");
   int convst = find("adc_convst_o"), busy = find("adc_busy_i"), row = find("row_o"), group = find("group_o");
   long part = option("part", 0), lanes = option("lanes", 1), carrier = option("carrier", 0);
@@ -441,7 +414,9 @@ struct Pins {
   bool selected = false;
 
   Pins() {
-    if (part && cs >= 0) converters.resize(ports[cs].bits);
+    const int busy_clocks = part == 6 ? 10 : 60;
+    for (int lane = 0; part && cs >= 0 && lane < ports[cs].bits; ++lane)
+      converters.push_back(meissner::converter(static_cast<int32_t>(part), busy_clocks));
   }
   static bool at(const Model &model, int port, size_t bit) { return port >= 0 && model.word(port, bit / 32) >> bit % 32 & 1; }
 
@@ -462,12 +437,12 @@ struct Pins {
         const int quarter = static_cast<int>(words / carrier % 4);
         for (auto &code : codes) code = over ? code : 0x800 + 8 * code * (quarter == 0) - 8 * code * (quarter == 2);
       }
-      converters[lane].step(part, at(model, cs, lane), at(model, sclk, lane), at(model, mosi, lane), at(model, convst, lane),
+      converters[lane]->step(at(model, cs, lane), at(model, sclk, lane), at(model, mosi, lane), at(model, convst, lane),
                             codes);
-      uint32_t bits = converters[lane].miso & ((1u << lanes) - 1);
+      uint32_t bits = converters[lane]->miso & ((1u << lanes) - 1);
       if (noise) bits = chance(clock * 131 + lane) & ((1u << lanes) - 1);
       data |= bits << lane * lanes;
-      held |= static_cast<uint32_t>(converters[lane].busy || hold) << lane;
+      held |= static_cast<uint32_t>(converters[lane]->busy || hold) << lane;
     }
     if (miso >= 0) model.set(miso, &data);
     if (busy >= 0) model.set(busy, &held);
