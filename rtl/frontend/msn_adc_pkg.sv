@@ -13,8 +13,8 @@ package msn_adc_pkg;
     known = part == msn_pkg::AdcMcp3208 || has_busy(part) || has_tag(part);
   endfunction
 
-  // MAX11123, MAX11124, MAX11125 differ only in the bits of a code, MAX11131 has a faster clock. Each answer is the channel's number in four bits
-  // and the code, left-aligned, in twelve; it answers the command in the word before.
+  // MAX11123, MAX11124, MAX11125 differ only in the bits of a code, MAX11131 has a faster clock. Each answer is the
+  // channel's number in four bits and the code, left-aligned, in twelve; it answers the command in the word before.
   function automatic bit has_tag(int unsigned part);
     has_tag = (part >= msn_pkg::AdcMax11123 && part <= msn_pkg::AdcMax11125) || part == msn_pkg::AdcMax11131;
   endfunction

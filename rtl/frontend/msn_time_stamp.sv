@@ -6,7 +6,8 @@
 //
 // ReadDuring: the next frame is converted meanwhile; C becomes that time when the frame's transfer begins (read_i).
 // So a frame keeps its own time while it waits, however many conversions are lost meanwhile, and time_o keeps the
-// previous frame's time until then. The converter must offer a frame's first sample before it converts (ReadDuring: reads) the next.
+// previous frame's time until then. The converter must offer a frame's first sample before it converts (ReadDuring:
+// reads) the next.
 // Error: none.
 // Model: model/meissner/twins/frontend/timing.py
 

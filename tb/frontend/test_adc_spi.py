@@ -98,7 +98,6 @@ class Harness:
             make = lambda: mcp3208.Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, codes, limits, report)
         elif self.twin.part.tagged:
             pins += [dut.adc_mosi_o, dut.adc_miso_i, self.twin.part.data_bits]
-            limits = limits or limits_and_rules(dut)[0]
             make = lambda: max1112x.Max1112x(*pins, codes, limits, report)
         else:
             pins += [dut.adc_mosi_o] * bool(self.twin.part.setup)

@@ -56,7 +56,7 @@ class Ad7606c(ad7606.Ad7606):
     ):
         self.mosi = mosi
         self.needed = NEEDED | {2: ((lanes or len(miso)).bit_length() - 1) << 3}
-        self.mosi_moved = self.cs_rose = None
+        self.mosi_moved = None
         self.received = []
         self.power_up()
         super().__init__(
@@ -95,7 +95,6 @@ class Ad7606c(ad7606.Ad7606):
                 self.cs_fell = now()
                 self.received = []
                 continue
-            self.cs_rose = now()
             if len(self.received) == 16:
                 self.execute(int("".join(map(str, self.received)), 2))
             elif not level(self.reset):
