@@ -5,10 +5,11 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from typing import Any
 
 # Threads of a library would change the order of additions and compete for the cores.
@@ -49,11 +50,38 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
+def _started_whole() -> Iterator[None]:
+    """An interrupt waits until what is started here has started, in its parent and in itself: half a process
+    ends with a traceback, or never."""
+    if threading.current_thread() is not threading.main_thread():  # interrupts reach the main thread alone
+        yield
+        return
+    waiting: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _frame: waiting.append(number))
+    resource_tracker.ensure_running()  # its start would let interrupts through again
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # new processes inherit it
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        signal.signal(signal.SIGINT, before)
+        if waiting:
+            raise KeyboardInterrupt
+
+
+class _Pool(ProcessPoolExecutor):
+    def submit(self, *task: Any, **settings: Any) -> Future[Any]:
+        """As of Executor; it may start a process."""
+        with _started_whole():
+            return super().submit(*task, **settings)
+
+
+@contextmanager
 def processes(count: int) -> Iterator[Executor]:
     """An executor with ``count`` processes of this machine, which end at once if its user is interrupted."""
     before = dict(os.environ)
     os.environ.update(ONE_THREAD | {JOBS: "1"})
-    pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _begin)
+    pool = _Pool(count, multiprocessing.get_context("spawn"), _begin)
     try:
         yield pool
     except BaseException:
