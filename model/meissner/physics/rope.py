@@ -62,9 +62,9 @@ class Shape(NamedTuple):
 
 
 SHAPES = {
-    "nine-sided": Shape(0.45, 0.7),
-    "nine-sided without protrusions": Shape(0.45, 1.6),
-    "R": Shape(1.0, 0.7),
+    "nine-sided": Shape(0.43, 1.0),
+    "nine-sided without protrusions": Shape(0.43, 2.5),
+    "R": Shape(1.0, 1.0),
 }
 SHORES = (27, 60, 95)
 # Grasping positions, from the middle row towards the first one, in half sides.
@@ -72,16 +72,16 @@ POSITIONS = {"top": 1.0, "top_middle": 0.5, "middle": 0.0, "bottom_middle": -0.5
 MODES = ("force", "speed")
 SENSORS = 9
 STEPS_PER_FRAME = 25
-GRIP_N, FRICTION, KINETIC, UNEVEN = 5.0, 0.9, 0.42, 0.04
-HEAL_S = 0.13
+GRIP_N, FRICTION, KINETIC, UNEVEN = 5.0, 0.9, 0.43, 0.04
+HEAL_S = 0.12
 GRIP_N_MM, ARM_N_MM = 1.0, 20.0
-ARM_N_S_MM, ARM_MM_S, RAMP_S = 0.55, 40.0, 0.2
+ARM_N_S_MM, ARM_MM_S, RAMP_S = 0.52, 40.0, 0.2
 FREE_N = 0.001
 STRANDS_N, STRANDS_FALL_N = 0.4, 0.03
 LOAD_NOISE_N, JITTER, JITTER_S = 0.01, 0.001, 0.1
 LEAD_S = 0.5
 ACROSS = (0.3, 0.4, 0.3)
-WRAP = (0.065, 0.0, -0.025)
+WRAP = (0.1, 0.0, -0.035)
 PRELOAD_N, GAP_N_MPA = 0.35, (0.0,) * 8 + (0.05,)
 TURN_N, DRIFT_MM, LAY_MM = 0.012, 0.0012, 4.0
 EVENTS = 4096
@@ -114,13 +114,11 @@ class Pull:
 
 @dataclass(frozen=True)
 class Pulled:
-    """``tension_n``, ``load_n`` (the load cell's), ``slid_mm`` [pulls, frames]; ``falls``: of each pull, the
-    frame before and the size in newtons of each fall of the tension by which the rope slides."""
+    """Tension, the load cell's value and how far the rope has slid in the grip, all [pulls, frames]."""
 
     tension_n: Floats
     load_n: Floats
     slid_mm: Floats
-    falls: list[Floats]
 
 
 @finite
@@ -159,7 +157,6 @@ def pull(pulls: Sequence[Pull], rate_hz: float, seeds: Sequence[Sequence[int]]) 
     strength += most
     next_settles = settles[:, 0]
     found = np.empty((3, len(pulls), frames))
-    falls: list[list[tuple[int, float]]] = [[] for _ in pulls]
     for frame in range(frames):
         section = next((k for k, (start, stop) in enumerate(spans) if start <= frame < stop), None)
         for step in range(STEPS_PER_FRAME):
@@ -186,12 +183,10 @@ def pull(pulls: Sequence[Pull], rate_hz: float, seeds: Sequence[Sequence[int]]) 
                 tension, slid = tension - fall, slid + fall / spring
                 event = np.minimum(event + who, EVENTS - 1)
                 most = limit[each, event]
-                for k in np.flatnonzero(who):
-                    falls[k].append((frame, float(fall[k])))
         found[0, :, frame], found[1, :, frame] = tension, slid
     noise = np.stack([rng.standard_normal(frames) for rng in rngs])
     found[2] = found[0] + LOAD_NOISE_N * noise
-    return Pulled(found[0], found[2], found[1], [np.array(one).reshape(-1, 2) for one in falls])
+    return Pulled(found[0], found[2], found[1])
 
 
 def places(one: Pull, tension_n: Floats, slid_mm: Floats) -> Floats:
