@@ -45,10 +45,10 @@ class Rope:
 
 ROPES = {
     "a": Rope("12-strand vinylon", 12, 12.0, 5.0, 1.0, 0.010, 1.0),
-    "b": Rope("12-strand nylon", 12, 12.0, 2.0, 0.95, 0.008, 2.0),
-    "c": Rope("3-strand vinylon", 3, 12.0, 6.0, 0.97, 0.014, 0.8),
+    "b": Rope("12-strand nylon", 12, 12.0, 2.5, 0.98, 0.008, 2.0),
+    "c": Rope("3-strand vinylon", 3, 12.0, 6.0, 1.0, 0.014, 0.8),
     "d": Rope("3-strand hemp", 3, 12.0, 8.0, 1.06, 0.018, 0.8),
-    "e": Rope("12-strand nylon, thin", 12, 7.0, 4.0, 0.96, 0.008, 1.0),
+    "e": Rope("12-strand nylon, thin", 12, 7.0, 4.0, 0.99, 0.008, 1.0),
     "f": Rope("cable", 1, 7.0, 20.0, 1.25, 0.004, 0.2),
     "g": Rope("PP tape", 1, 12.0, 15.0, 1.3, 0.004, 0.2),
 }
@@ -62,8 +62,8 @@ class Shape(NamedTuple):
 
 
 SHAPES = {
-    "nine-sided": Shape(0.43, 1.0),
-    "nine-sided without protrusions": Shape(0.43, 2.5),
+    "nine-sided": Shape(0.48, 1.0),
+    "nine-sided without protrusions": Shape(0.48, 2.5),
     "R": Shape(1.0, 1.0),
 }
 SHORES = (27, 60, 95)
@@ -72,13 +72,13 @@ POSITIONS = {"top": 1.0, "top_middle": 0.5, "middle": 0.0, "bottom_middle": -0.5
 MODES = ("force", "speed")
 SENSORS = 9
 STEPS_PER_FRAME = 25
-GRIP_N, FRICTION, KINETIC, UNEVEN = 5.0, 0.9, 0.43, 0.04
-HEAL_S = 0.12
+GRIP_N, FRICTION, KINETIC, UNEVEN = 5.0, 0.9, 0.43, 0.03
+HEAL_S = 0.135
 GRIP_N_MM, ARM_N_MM = 1.0, 20.0
-ARM_N_S_MM, ARM_MM_S, RAMP_S = 0.52, 40.0, 0.2
+ARM_N_S_MM, ARM_MM_S, RAMP_S = 0.1, 9.5, 0.2
 FREE_N = 0.001
-STRANDS_N, STRANDS_FALL_N = 0.4, 0.03
-LOAD_NOISE_N, JITTER, JITTER_S = 0.01, 0.001, 0.1
+STRANDS_N, STRANDS_FALL_N = 0.4, 0.02
+LOAD_NOISE_N, JITTER, JITTER_S = 0.01, 0.0003, 0.1
 LEAD_S = 0.5
 ACROSS = (0.3, 0.4, 0.3)
 WRAP = (0.1, 0.0, -0.035)
@@ -191,7 +191,7 @@ def pull(pulls: Sequence[Pull], rate_hz: float, seeds: Sequence[Sequence[int]]) 
 
 def places(one: Pull, tension_n: Floats, slid_mm: Floats) -> Floats:
     """Where the rope crosses the sensors [frames], 1 at the first row and -1 at the last."""
-    moved = 0.0 if one.post else TURN_N * tension_n + DRIFT_MM * slid_mm
+    moved = (0.0 if one.post else 1.0) * (TURN_N * tension_n + DRIFT_MM * slid_mm)
     return np.clip(POSITIONS[one.position] + moved, -1.0, 1.0)
 
 
@@ -218,3 +218,63 @@ def as_published(frames: Floats | Ints) -> Floats | Ints:
     """Frames [..., rows, columns] as channels [..., 9]: s_0 to s_8, down the first column, then the
     others."""
     return np.swapaxes(frames, -1, -2).reshape(*frames.shape[:-2], SENSORS)
+
+
+ORIGINS = {
+    "ROPES": (
+        "chosen",
+        "rope paper, figure 10: material, strands, mm; stiffness, friction, surface and strands are ours, "
+        "in the order that V-B gives: b the softest, f and g stiff and with the most friction",
+        "rope_pull: one row each; only a and c are trained on",
+    ),
+    "SHAPES": (
+        "read off",
+        "rope paper, table I: the nine-sided grip falls twice as often and half as far as the R shape",
+        "table I: share 0.48; with 1.0 both shapes are the R shape. Depths are chosen: figure 6",
+    ),
+    "SHORES": ("published", "rope paper, II-C", "fingertip_hardness: one condition each"),
+    "POSITIONS": ("published", "rope paper, II-A, as fractions of the sheet", "the training set"),
+    "SENSORS": ("published", "rope paper, II-A", "channels of the forest"),
+    "STEPS_PER_FRAME": ("chosen", "numerical: 1 ms at 40 Hz", "smallest time between two falls"),
+    "GRIP_N": ("chosen", "with FRICTION: the rope holds at 4 N and slips at 5 N", "when a section slips"),
+    "FRICTION": (
+        "read off",
+        "rope paper: the printed counts need that 1 and 3 N hold and 5 N slips; V-A: 4 N holds, 14 N slips",
+        "60 of the 480 sections do not slip",
+    ),
+    "KINETIC": ("chosen", "fitted to table I", "size of the falls"),
+    "UNEVEN": ("chosen", "keeps every rope above 4 N", "spread of the falls"),
+    "HEAL_S": (
+        "chosen",
+        "fitted so that A95 slides evenly, as figures 4 and 5 state",
+        "fingertip_hardness: oscillation over hardness; without it, none",
+    ),
+    "GRIP_N_MM": ("chosen", "with ARM_MM_S: fitted to table I", "period of the falls"),
+    "ARM_N_MM": ("chosen", "a robot's arm", "little: the grip is softer"),
+    "ARM_N_S_MM": ("chosen", "no controller is printed", "how fast a force is reached"),
+    "ARM_MM_S": ("chosen", "fitted to table I's number of falls", "period of the falls under force control"),
+    "RAMP_S": ("chosen", "no controller is printed", "the first frames of a section"),
+    "FREE_N": ("published", "rope paper, III-A: the force-free state", "tension between pulls"),
+    "STRANDS_N": ("chosen", "no figure", "how often strands rearrange while the load rises"),
+    "STRANDS_FALL_N": ("chosen", "V-B: weak vibrations as a soft rope stretches", "early alarms"),
+    "LOAD_NOISE_N": ("chosen", "a fifth of the fall that a label needs", "how far t_s lies before the fall"),
+    "JITTER": ("chosen", "of the grip's force", "alarms without slip: three times as much gives some"),
+    "JITTER_S": ("chosen", "a servo's", "as JITTER"),
+    "LEAD_S": ("chosen", "until the first pull", "none"),
+    "ACROSS": ("chosen", "the rope presses on three sides, most on the middle one", "levels of s_0 to s_8"),
+    "WRAP": (
+        "read off",
+        "rope paper, figure 6: tension raises the side of s_1; size fitted to table I's mean of -25.8",
+        "every amplitude in codes; the ratio of table I's two means does not depend on it",
+    ),
+    "PRELOAD_N": ("chosen", "the cover's fit; an FSR400 needs 0.2 N", "sensors beside the rope read too"),
+    "GAP_N_MPA": (
+        "read off",
+        "rope paper, figure 5: s_8 is straight with A95, from a gap; not with A27",
+        "s_8 with A95",
+    ),
+    "TURN_N": ("read off", "rope paper, figure 6: y grows with tension; size chosen", "y_moves"),
+    "DRIFT_MM": ("read off", "rope paper, III-B: the rope moves towards s_3; size chosen", "y_left"),
+    "LAY_MM": ("chosen", "a strand's width on a rope of 12 mm", "vibration of a rough rope that slides"),
+    "EVENTS": ("chosen", "numerical: falls of a pull that have their own draws", "none"),
+}

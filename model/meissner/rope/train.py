@@ -47,7 +47,8 @@ class Data:
     """Sections of recordings, and which of them are for the test; ``seed`` draws."""
 
     def __init__(self, recordings, seed):
-        every = [(steps(one), section) for one in recordings for section in one.sections]
+        each = [(steps(one), one.sections) for one in recordings]
+        every = [(differences, section) for differences, own in each for section in own]
         rng, test = np.random.default_rng([seed, 3]), []
         for slips, count in HELD_OUT.items():
             own = [k for k, (_, section) in enumerate(every) if (section.slip is not None) == slips]

@@ -48,48 +48,29 @@ def decide(scene, core, model, recordings):
     return [(padded(share, slice(a, b)), padded(slip, slice(a, b))) for a, b in pairwise(ends)]
 
 
-def _pull(scene, core, recordings, seed):
-    """A forest in real time: alarms in sections without slip, and their distance from t_s where it slips."""
-    model, data = train.trained(scene, seed, trees=scene.world["trees"])
+def real_time(scene, core, model, recordings):
+    """(what ``decide`` found, summary, rows) of a forest over all ``recordings`` [condition][seed]."""
     flat = [one for of in recordings for one in of]
     decided, w, rows, apart_of_all, alarmed = decide(scene, core, model, flat), scene.pattern.w, [], [], []
     frame_ms = 1e3 / scene.rate_hz
     for name, one, begin in zip(scene.names, recordings, range(0, len(flat), scene.seeds)):
-        apart, quiet, missed, slipping = [], [], 0, 0
+        apart, quiet, slipping = [], [], 0
         for recording, (_, slip) in zip(one, decided[begin:]):
             for section in recording.sections:
                 at = first_alarm(slip, section, w)
                 if section.slip is None:
                     quiet.append(at is not None)
-                    continue
-                slipping += 1
-                missed += at is None
-                apart += [] if at is None else [at - section.slip]
+                else:
+                    slipping += 1
+                    apart += [] if at is None else [at - section.slip]
         apart_of_all += apart
         alarmed += quiet
-        row = {
-            "condition": name,
-            "errors": sum(quiet) if quiet else None,
-            "quiet_sections": len(quiet),
-            "slipping_sections": slipping,
-            "missed": missed,
-            "apart_steps": float(np.mean(apart)) if apart else None,
-            "apart_ms": frame_ms * float(np.mean(apart)) if apart else None,
-        }
-        rows.append(_rounded(row))
-    first = next((k for k, one in enumerate(flat) if any(s.slip is not None for s in one.sections)), 0)
-    onset_s = flag_s = None
-    for section in flat[first].sections:
-        if section.slip is not None and onset_s is None:
-            slid = np.flatnonzero(np.diff(flat[first].slid_mm[section.start - 1 : section.stop]) > 0)
-            onset_s = float(flat[first].time_s[section.start + slid[0]]) if len(slid) else None
-            at = first_alarm(decided[first][1], section, w)
-            flag_s = None if at is None else float(flat[first].time_s[at])
+        steps = float(np.mean(apart)) if apart else None
+        row = {"condition": name, "quiet_sections": len(quiet), "errors": sum(quiet) if quiet else None}
+        row |= {"slipping_sections": slipping, "missed": slipping - len(apart), "apart_steps": steps}
+        rows.append(_rounded(row | {"apart_ms": None if steps is None else frame_ms * steps}))
     missed, sections = sum(row["missed"] for row in rows), sum(row["slipping_sections"] for row in rows)
     summary = {
-        "onset_s": onset_s,
-        "flag_s": flag_s,
-        "delay_s": None if None in (onset_s, flag_s) else flag_s - onset_s,
         "missed": missed,
         "missed_rate": interval.rate(missed, sections) if sections else None,
         "false_alarms": sum(alarmed),
@@ -97,16 +78,39 @@ def _pull(scene, core, recordings, seed):
         "false_alarms_masked": 0,
         "apart_ms": frame_ms * float(np.mean(apart_of_all)) if apart_of_all else None,
         "apart_ms_deviation": frame_ms * float(np.std(apart_of_all)) if apart_of_all else None,
+    }
+    return decided, summary, rows
+
+
+def _shown(recording, slip, w):
+    """Onset and flag in seconds of the first slipping section; None where there is none."""
+    for section in recording.sections:
+        if section.slip is not None:
+            slid = np.flatnonzero(np.diff(recording.slid_mm[section.start - 1 : section.stop]) > 0)
+            frames = section.start + int(slid[0]) if len(slid) else None, first_alarm(slip, section, w)
+            return [None if at is None else float(recording.time_s[at]) for at in frames]
+    return [None, None]
+
+
+def _pull(scene, core, recordings, seed):
+    """A forest in real time: alarms in sections without slip, and their distance from t_s where it slips."""
+    model, data = train.trained(scene, seed, trees=scene.world["trees"])
+    decided, found, rows = real_time(scene, core, model, recordings)
+    decided, shown = decided[:: scene.seeds], [one[0] for one in recordings]
+    onset_s, flag_s = _shown(shown[0], decided[0][1], scene.pattern.w)
+    summary = {
+        "onset_s": onset_s,
+        "flag_s": flag_s,
+        "delay_s": None if None in (onset_s, flag_s) else flag_s - onset_s,
+        **found,
         "trees": scene.world["trees"],
         "trained_on": len(data.rest),
     }
     arrays = {}
-    for k, (recording, (share, slip)) in enumerate(zip(flat[:: scene.seeds], decided[:: scene.seeds])):
+    for k, (recording, (share, slip)) in enumerate(zip(shown, decided)):
         arrays |= {f"c{k}_score": share, f"c{k}_slip": slip, f"c{k}_codes": recording.channels}
         arrays |= {f"c{k}_load_n": recording.load_n, f"c{k}_slid_mm": recording.slid_mm}
-    shown = [recordings[k][0] for k in range(len(recordings))]
-    draw = {"recordings": shown, "decided": decided[:: scene.seeds]}
-    return summary, arrays, rows, [(pictures.draw_pull, draw)]
+    return summary, arrays, rows, [(pictures.draw_pull, {"recordings": shown, "decided": decided})]
 
 
 def _mean(values, stop, seconds, rate_hz):
