@@ -5,13 +5,9 @@ A row for each frame from number ``window`` on: the differences of successive fr
 of all channels.
 """
 
-import ctypes
-
 import numpy as np
 
 from meissner.arrays import Ints
-from meissner.engines import verilated
-from meissner.engines.features.forest_features import TOP
 from meissner.inputs import SAMPLE_BITS
 from meissner.twins.forest.forest_features import ForestFeatures
 
@@ -30,27 +26,18 @@ def float_(x: Ints, window: int) -> Ints:
     return np.rint(seen.swapaxes(1, 2).reshape(len(seen), -1)).astype(np.int64)
 
 
-@verilated.cached
-def _open(channels: int, window: int) -> ctypes.CDLL:
-    parameters = {"Channels": channels, "Window": window, "SampleBits": SAMPLE_BITS}
-    lib = ctypes.CDLL(str(verilated.library(TOP, "forest_features_driver.cpp", parameters)))
-    pointer, long = ctypes.c_void_p, ctypes.c_int64
-    lib.forest_features.restype = long
-    lib.forest_features.argtypes = [pointer, long, ctypes.c_int32, pointer, long]
-    return lib
-
-
 def rtl(x: Ints, window: int) -> Ints:
-    """By the Verilated module."""
-    channels, frames = x.shape
-    samples = np.ascontiguousarray(np.asarray(x).T, dtype=np.int32)
-    found = np.zeros((max(0, frames - window), window * channels), np.int32)
-    clocks = _open(channels, window).forest_features(
-        samples.ctypes.data, frames, channels, found.ctypes.data, found.size
-    )
-    if clocks < 0:
-        raise RuntimeError("the core did not give the features of each window")
-    return found.astype(np.int64)
+    """By the Verilated module; only here its builder is loaded."""
+    from meissner.engines.features.forest_features.driver import features
+
+    return features(x, window)
 
 
-ENGINES = {"float": float_, "fixed": fixed, "rtl": rtl, "gate": verilated.of_gates(rtl)}
+def gate(x: Ints, window: int) -> Ints:
+    """By its netlist."""
+    from meissner.engines import verilated
+
+    return verilated.of_gates(rtl)(x, window)
+
+
+ENGINES = {"float": float_, "fixed": fixed, "rtl": rtl, "gate": gate}
