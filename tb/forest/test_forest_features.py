@@ -57,7 +57,7 @@ async def sends_a_window_in_as_many_clocks_and_takes_no_sample_meanwhile(dut):
     assert [valid for _, valid in seen] == [0] * 2 + [1] * words + [0] * 3
 
 
-EVIDENCE = {"equivalence": {"size": {"Channels": 3, "Window": 2, "SampleBits": 4}}}
+EVIDENCE = {"equivalence": {"size": {"Channels": 3}}}
 
 SPACE = lambda draw: {
     "Channels": draw.randint(1, 12),
@@ -66,7 +66,7 @@ SPACE = lambda draw: {
 }
 
 
-@pytest.mark.parametrize("channels, bits, window", [(9, 17, 6), (1, 8, 1), (4, 9, 3)])
+@pytest.mark.parametrize("channels, bits, window", [(9, 17, 6), (1, 8, 1), (3, 6, 2)])
 def test_forest_features(channels, bits, window):
     parameters = {"Channels": channels, "SampleBits": bits, "Window": window}
     bench.run("forest", "forest_features", parameters)

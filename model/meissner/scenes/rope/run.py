@@ -71,10 +71,14 @@ def answer(summary):
     if "missed" in summary:
         slips, quiet = (sum(row[key] for row in rows) for key in ("slipping_sections", "quiet_sections"))
         apart = summary["apart_ms"]
-        where = "" if apart is None else f"; the first alarm is {apart:+.1f} ms from t_s in the mean"
+        after = (
+            ""
+            if apart is None
+            else f"; the first alarm is {apart:+.1f} ms after the load cell's, in the mean"
+        )
         return (
             f"The forest missed {summary['missed']} of {count(slips, 'slip')}, with an alarm in "
-            f"{summary['false_alarms']} of {count(quiet, 'section')} without slip{where}."
+            f"{summary['false_alarms']} of {count(quiet, 'section')} without slip{after}."
         )
     if "position_error" in summary:
         follows = ", ".join(f"{100 * row['y_follows']:.0f} % ({row['condition']})" for row in rows)
@@ -82,6 +86,6 @@ def answer(summary):
     most = max(rows, key=lambda row: row["oscillation"])
     least = min((row for row in rows if row["slipping_sections"]), key=lambda row: row["oscillation"])
     return (
-        f"While the rope slips, s_1 changes between frames by {least['oscillation']:.1f} codes rms "
+        f"While the rope slips, sensor 1 changes between frames by {least['oscillation']:.1f} codes rms "
         f"({least['condition']}) to {most['oscillation']:.1f} ({most['condition']})."
     )
