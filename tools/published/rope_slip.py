@@ -93,7 +93,7 @@ def compute():
     for title, rows in (
         ("Table II: windows of the training set, published in brackets", second),
         ("Table III in percent, published in brackets", third),
-        ("Table IV: first alarm from t_s; no number of the published rows is ours", fourth),
+        ("Table IV: first alarm from t_s in real time, the published row beside ours", fourth),
     ):
         cells = [tuple("–" if cell is None else str(cell) for cell in row.values()) for row in rows]
         parts.append(f"## {title}\n\n" + markdown(tuple(rows[0]), cells))
