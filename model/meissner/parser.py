@@ -363,7 +363,7 @@ def _forest(commands):
     parser.add_argument("--seed", type=int, default=1, help="of the fingertip, the pulls and the forest (1)")
     parser.add_argument("--trees", type=int, default=400, metavar="N", help="of the forest (400)")
     _out(parser, "F.json", "also write the forest to this file")
-    parser.set_defaults(call="meissner.rope.command:command")
+    parser.set_defaults(call="meissner.scenes.rope.command:command")
 
 
 def _config(commands):

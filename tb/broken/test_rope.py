@@ -41,15 +41,15 @@ def score(name):
 
 @pytest.fixture(scope="module")
 def unbroken():
-    every, record = train.pulls, train.record
+    every, right = train.pulls, judge.training
     kept = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(train, "pulls", lambda like: every(like)[::4])
         found = {name: score(name) for name in (COP, HARDNESS, PULL)}
-        kept[1] = record(few(PULL), 1)
+        kept[1] = right(few(PULL), 1)
     # Every later run is trained on the sound recordings: what breaks, breaks in real time.
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(train, "record", lambda scene, seed: kept[seed])
+        patch.setattr(judge, "training", lambda scene, seed: kept[seed])
         yield found
 
 

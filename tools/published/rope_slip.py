@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 
 from meissner import scenes
-from meissner.rope.command import tables
 from meissner.rope.published import TABLE_1, TABLE_4, TABLE_4_MEAN
 from meissner.scenes.drawing import BLUE, RED
 from meissner.scenes.rope import run
+from meissner.scenes.rope.command import tables
 from published import markdown, rows_of
 from published._parts import figure, label, save
 

@@ -94,19 +94,3 @@ def measures(truth, found):
         *(share(right, truth == label) for label in (0, 1)),
         *(share(right, found == label) for label in (0, 1)),
     )
-
-
-def trained(scene, seed, pattern=None, trees=TREES, recordings=None):
-    """(the forest of a pattern, by default the scene's; its Data) for the fingertip with that seed."""
-    data = Data(recordings or record(scene, seed), seed)
-    train, _ = data.split(pattern or scene.pattern)
-    return fit(*train, seed, trees), data
-
-
-def record(scene, seed):
-    """The 240 recordings with the fingertip of number ``seed``."""
-    from meissner.scenes.rope.scene import TRAINING_SEED
-    from meissner.scenes.rope.scene import record as recorded
-
-    every = pulls(scene.pulls[0])
-    return recorded(scene, every, [[seed, TRAINING_SEED, k] for k in range(len(every))], seed)

@@ -184,7 +184,7 @@ def build(name, table):
 
 
 class Sheet:
-    """The sheet of one seed, its network and converter; ``scene``: a Scene, or what has its fields for them."""
+    """The sheet of one seed, its network and converter; ``scene``: a Scene, or one with its fields."""
 
     def __init__(self, scene, seed):
         self.scene, self.rng = scene, np.random.default_rng(seed)

@@ -11,7 +11,7 @@ from meissner.physics import mesh_loads
 from meissner.rope import train
 from meissner.scenes.errors import errors, summarise
 from meissner.scenes.rope import pictures
-from meissner.scenes.rope.scene import pressed
+from meissner.scenes.rope.scene import pressed, training
 
 BELOW = -15  # table I: differences of s_1 below it are counted
 REST_S, END_S = 0.25, 1.0  # before a pull, and at its end: for means
@@ -94,7 +94,8 @@ def _shown(recording, slip, w):
 
 def _pull(scene, core, recordings, seed):
     """A forest in real time: alarms in sections without slip, and their distance from t_s where it slips."""
-    model, data = train.trained(scene, seed, trees=scene.world["trees"])
+    data = train.Data(training(scene, seed), seed)
+    model = train.fit(*data.split(scene.pattern)[0], seed, scene.world["trees"])
     decided, found, rows = real_time(scene, core, model, recordings)
     decided, shown = decided[:: scene.seeds], [one[0] for one in recordings]
     onset_s, flag_s = _shown(shown[0], decided[0][1], scene.pattern.w)

@@ -15,7 +15,7 @@ from msgspec import Meta
 from meissner.builds.cop_tables import Cop
 from meissner.physics import fsr, rope
 from meissner.physics.adc import Adc
-from meissner.rope import labels
+from meissner.rope import labels, train
 from meissner.scenes import base, scanned
 from meissner.scenes.fsr.scene import (
     CALIBRATION_FRAMES,
@@ -226,6 +226,12 @@ def record(scene, pulls: Sequence[rope.Pull], seeds: Sequence[Sequence[int]], fi
             )
         )
     return recordings
+
+
+def training(scene, seed):
+    """The 240 recordings that a forest is trained on, with the fingertip of that number."""
+    every = train.pulls(scene.pulls[0])
+    return record(scene, every, [[seed, TRAINING_SEED, k] for k in range(len(every))], seed)
 
 
 def simulate(scene, condition=0, seed=1, fingertip_seed=None):

@@ -10,7 +10,7 @@ from meissner.rope.published import TABLE_3, TABLE_4, TABLE_4_MEAN
 from meissner.scenes import load
 from meissner.scenes.results import table
 from meissner.scenes.rope import judge
-from meissner.scenes.rope.scene import simulate_all
+from meissner.scenes.rope.scene import simulate_all, training
 from meissner.scenes.timed import TimedEngine
 
 
@@ -20,7 +20,7 @@ def _percent(share):
 
 def tables(scene, seed, trees, progress=iter):
     """(the forest of the scene's pattern, rows of tables II, III and IV, remarks)."""
-    recordings = train.record(scene, seed)
+    recordings = training(scene, seed)
     data = train.Data(recordings, seed)
     second, third, forest = [], [], None
     for name, pattern in progress([*labels.PATTERNS.items()]):
