@@ -634,6 +634,25 @@ def test_model_doubles_by_hand():
     assert grip.next([1, 0]).command == 166
 
 
+def test_model_rests_by_hand():
+    """A decay of 70, of which the rate allows 50, down to the minimum; what was heard and counted before
+    is over with windows that ended, and another mode begins from nothing."""
+    config = GripConfig(step=5, decay=70, minimum=1000, maximum=1210, rate=50, watchdog=2, boost=1)
+    grip = Grip(config, start=1200)
+    assert grip.next([1, 0], seen=[1, 0]).command == 1205  # the second finger is silent after one more
+    increments = grip.rest(6)
+    assert increments == [-50, -50, -50, -50, -5, 0] and grip.command == 1205
+    taken = grip.take(increments, ended=True)
+    assert taken == [(step, 1205 + sum(increments[: n + 1]), 0, 0) for n, step in enumerate(increments)]
+    again = grip.next([1, 0], seen=[1, 0])
+    assert (again.command, again.fault) == (1005, 0)  # its first silent cycle, and no doubled step
+    assert grip.take([3], ended=False) == [(3, 1008, 0, 0)] and grip.next([1, 0]).command == 1018
+    grip.config = replace(config, maximum=1018)  # the same mode: all goes on
+    assert grip.take([0], ended=True) == [(0, 1018, 4, 0)]
+    grip.config = replace(config, mode="force")
+    assert grip.next([1, 1]) == Command(0, 0, 16, False, 0, (False, False))
+
+
 def test_model_refuses_what_cannot_work():
     wrongs = {"period": 15, "step": 65536, "decay": -1, "watchdog": 0, "rate": 1.5, "boost": 8}
     for name, wrong in wrongs.items():

@@ -120,8 +120,9 @@ for (genvar c = 1; c <= 8; c++) begin : gen_store
   localparam int unsigned Bits = msn_pkg::index_width(c);
   msn_adc_store #(.Channels(c)) u_store (
     .clk_i(clk), .rst_i(rst), .begin_i(begun), .in_valid_i(valid[c-1]), .in_word_i(word[Bits-1:0]),
-    .in_data_i(code), .in_bad_i(1'b0), .out_ready_i(go), .out_valid_o(out[c-1][22]), .out_last_o(out[c-1][21]),
-    .out_user_o(out[c-1][20]), .out_data_o(out[c-1][16:0]), .out_id_o(out[c-1][16+Bits:17])
+    .in_data_i(code), .in_bad_i(1'b0), .out_ready_i(go), .out_valid_o(out[c-1][22]),
+    .out_last_o(out[c-1][21]), .out_user_o(out[c-1][20]), .out_data_o(out[c-1][16:0]),
+    .out_id_o(out[c-1][16+Bits:17])
   );
 end
 endmodule
