@@ -139,6 +139,13 @@ def test_a_store_of_any_number_of_channels_has_one_driver_a_net(name):
     yowasp.yosys(script + yowasp.synthesis(board.synth, "stores"), f"{stem}.log")
 
 
+def test_a_kept_net_is_one_bit_wide():
+    """As above: a kept vector may get a second driver."""
+    for source in yowasp.rtl():
+        kept = re.findall(r"\(\* *keep *\*\) *logic *(?:signed *)?(\[)?", (ROOT / source).read_text("utf-8"))
+        assert not any(kept), source
+
+
 @pytest.mark.long
 def test_an_array_with_multipliers_is_synthesised_for_an_ecp5():
     """The final check of synth_ecp5 elaborates the top again and then misses the modules flattened into
