@@ -5,6 +5,7 @@ watchdog, the effect of a reset. The model against the same loop, and the limits
 
 import random
 from dataclasses import replace
+from itertools import permutations
 
 import cocotb
 import pytest
@@ -315,6 +316,22 @@ async def windows_over_that_follow_each_other_double_the_step(dut):
         await cycles(dut, 1, over=[0])
         found, _ = await cycles(dut, 2, over=[last])
         assert found == [4, 1]
+
+
+@bench.applies(lambda dut: sizes(dut)[0] > 1)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_row_is_the_same_whatever_row_another_finger_has(dut):
+    """Two fingers take turns; the one that is not heard keeps its row."""
+    fingers, bits, _ = sizes(dut)
+    top = (1 << bits) - 1
+    for pair in permutations(range(fingers), 2):
+        await armed(dut, step=1, decay=0, maximum=top, rate=top, boost=7, watchdog=7)
+        found = []
+        for turn, count in enumerate((3, 3, 1, 1, 1, 1)):
+            heard, other = pair[turn % 2], pair[1 - turn % 2]
+            found += (await cycles(dut, count, over=[heard], silent=[other]))[0]
+        found += (await cycles(dut, 1))[0]
+        assert found == [0, 1, 2, 4, 1, 2, 4, 8, 8, 16, 16], pair
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
