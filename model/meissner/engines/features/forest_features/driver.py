@@ -7,7 +7,7 @@ import numpy as np
 from meissner.arrays import Ints
 from meissner.engines import verilated
 from meissner.engines.features.forest_features import TOP
-from meissner.inputs import SAMPLE_BITS
+from meissner.twins.slip.config import SAMPLE_BITS
 
 
 @verilated.cached

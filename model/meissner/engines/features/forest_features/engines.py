@@ -8,8 +8,8 @@ of all channels.
 import numpy as np
 
 from meissner.arrays import Ints
-from meissner.inputs import SAMPLE_BITS
 from meissner.twins.forest.forest_features import ForestFeatures
+from meissner.twins.slip.config import SAMPLE_BITS
 
 
 def fixed(x: Ints, window: int) -> Ints:
