@@ -1,6 +1,6 @@
 """msn_forest_features against its model, and the model against a loop of its formula and a window worked out
-by hand: both ends of the number range, windows of one frame and more, one channel and nine, restarts, gaps
-and stalls, chunks; every engine."""
+by hand: both ends of the number range, windows of one frame and more, one channel and nine, restarts, resets,
+gaps and stalls, chunks; every engine."""
 
 import cocotb
 import numpy as np
@@ -55,6 +55,33 @@ async def sends_a_window_in_as_many_clocks_and_takes_no_sample_meanwhile(dut):
     words = channels * window
     assert [ready for ready, _ in seen[:words]] == [0] * words and seen[words][0] == 1
     assert [valid for _, valid in seen] == [0] * 2 + [1] * words + [0] * 3
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def recovers_after_reset(dut):
+    """Reset for one clock at random times, in a frame, between two, and while features are sent."""
+    channels, bits, window = parameters(dut)
+    await bench.start(dut, out_ready_i=1)
+    rng = np.random.default_rng(bench.SEED)
+    for _ in range(20):
+        x = bench.extremes_then_random(rng, channels, window + 4, bits)
+        beats = bench.frames(data=x)
+        dut.in_valid_i.value = 1
+        sent = 0
+        for _ in range(int(rng.integers(1, 2 * channels * (window + 3)))):
+            bench.offer(dut, beats[min(sent, len(beats) - 1)])
+            await bench.ReadOnly()
+            sent += bench.read(dut.in_ready_o)
+            await bench.RisingEdge(dut.clk_i)
+        dut.in_valid_i.value = 0
+        await bench.reset(dut)
+        await bench.ReadOnly()
+        assert (bench.read(dut.in_ready_o), bench.read(dut.out_valid_o)) == (1, 0)
+        await bench.RisingEdge(dut.clk_i)
+        rows = ForestFeatures(channels, window, bits).process(x).tolist()
+        got = await bench.stream(dut, beats, FIELDS)
+        assert [beat["data"] for beat in got] == [value for row in rows for value in row]
+        assert [beat["last"] for beat in got] == ([0] * (channels * window - 1) + [1]) * len(rows)
 
 
 EVIDENCE = {"equivalence": {"size": {"Channels": 3}}}
