@@ -12,21 +12,19 @@ from meissner.terminal import plain
 
 
 def float_share(model, rows):
-    """Share of the vote for the second class [rows]: thresholds and leaves in floats, row by row."""
+    """Share of the vote for the second class [rows]: thresholds and leaves in floats."""
     share = np.zeros(len(rows))
     exact = [feature.thresholds for feature in model.features]
     for tree in model.trees:
-        limits = [
-            float(k) if exact[f] is None else [*exact[f], np.inf][k]
-            for f, k in zip(tree.feature, tree.threshold)
-        ]
-        for row, values in enumerate(rows):
-            node = tree.root
-            while node >= 0:
-                left = values[tree.feature[node]] <= limits[node]
-                node = (tree.left if left else tree.right)[node]
-            leaf = model.leaves[-1 - node]
-            share[row] += leaf[1] / leaf.sum()
+        pairs = zip(tree.feature, tree.threshold)
+        limit = np.array([float(k) if exact[f] is None else [*exact[f], np.inf][k] for f, k in pairs])
+        at = np.full(len(rows), tree.root)
+        while (going := np.flatnonzero(at >= 0)).size:
+            node = at[going]
+            left = rows[going, tree.feature[node]] <= limit[node]
+            at[going] = np.where(left, tree.left[node], tree.right[node])
+        leaf = model.leaves[-1 - at].astype(float)
+        share += leaf[:, 1] / leaf.sum(1)
     return share / len(model.trees)
 
 
