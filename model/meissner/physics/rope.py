@@ -258,11 +258,15 @@ ORIGINS = {
     "STRANDS_N": ("chosen", "no figure", "how often strands rearrange while the load rises"),
     "STRANDS_FALL_N": (
         "chosen",
-        "V-B: weak vibrations as a soft rope stretches",
+        "V-B: weak vibrations as a soft rope stretches; set as JITTER",
         "first alarm: -20 ms, not +34, at 0.05",
     ),
     "LOAD_NOISE_N": ("chosen", "a tenth of the fall that a label needs", "how far t_s lies before the fall"),
-    "JITTER": ("chosen", "of the grip's force", "alarms without slip: in 6 of 21 sections at 0.001"),
+    "JITTER": (
+        "chosen",
+        "of the grip's force; set so that holds at 4 N raise no alarm at seed 1",
+        "alarms without slip: in 6 of 21 sections at 0.001",
+    ),
     "JITTER_S": ("chosen", "a servo's", "as JITTER"),
     "LEAD_S": ("chosen", "until the first pull", "none"),
     "ACROSS": ("chosen", "the rope presses on three sides, most on the middle one", "levels of s_0 to s_8"),
