@@ -12,7 +12,7 @@
 // Error bits: 1 no forest, 2 the memory did not answer in time, 4 a node or leaf that cannot be (its tree has no vote).
 // Outside: nodes are read at req_*, rsp_*, of each engine, and not loaded here; else block RAM (msn_forest_memory).
 //
-// Latency: reading and walking, then Classes * (Engines + 4) clocks.   Model: model/meissner/twins/forest/forest.py
+// Latency: reading and walking, then Classes + Engines + 4 clocks.   Model: model/meissner/twins/forest/forest.py
 
 module msn_forest #(
   parameter  int unsigned Features    = 9,
@@ -105,25 +105,20 @@ module msn_forest #(
   assign load_ready_o = !swapping && (Banks == 2 || (loading && using_ == '0));
   assign begin_next   = filled[next] && !going[next] && !swapping;
 
-  // Results in the order of rows.
-  typedef enum logic [1:0] {Idle, Sum, Compare, Offer} state_e;
-  state_e                state;
-  logic [ClassBits-1:0]  at_class, best_class;
-  logic [$clog2(Engines+2)-1:0] step;
-  logic [31:0]           sum, picked, best;
-  logic [Engines*32-1:0] votes;
-  logic                  better, at_last, leaves_, leaves_last;
-  logic [2:0]            errors [Contexts];
-  assign at_last     = at_class == ClassBits'(Classes - 1);
-  assign leaves_     = out_valid_o && out_ready_i;
-  assign leaves_last = leaves_ && at_last;
-  assign out_valid_o = state == Offer;
-  assign out_id_o    = at_class;
-  assign out_votes_o = sum;
-  assign out_last_o  = at_last;
-  assign out_class_o = best_class;
-  assign out_error_o = errors[oldest];
-  assign better      = sum > best || at_class == '0;
+  // Results in the order of rows. Classes pass the engines one after another, a class a clock, and each engine adds
+  // its votes: a sum over all of them in one clock would be the slowest path with eight.
+  logic                 reads, asks, advance, better, leaves_last;
+  logic [ClassBits-1:0] asked;
+  logic [Engines:0]     valid_at;
+  logic [ClassBits-1:0] class_at [Engines+1];
+  logic [31:0]          sum_at [Engines+1];
+  logic [31:0]          total, best;
+  logic [2:0]           errors [Contexts];
+  assign sum_at[0]   = '0;
+  assign advance     = !out_valid_o || out_ready_i;
+  assign total       = failed[oldest] ? '0 : sum_at[Engines];
+  assign better      = total > best || class_at[Engines] == '0;
+  assign leaves_last = out_valid_o && out_ready_i && out_last_o;
 
   always_comb begin
     any_broken = '0;
@@ -181,25 +176,27 @@ module msn_forest #(
     if (Banks == 1 && load_valid_i && !swapping && !swap_i) loading <= 1'b1;
 
     // Sums over the engines, compared in the order of classes.
-    step <= (state == Sum) ? step + 1'b1 : '0;
-    picked <= (step != '0 && 32'(step) <= Engines) ? votes[32*(32'(step)-1)+:32] : '0;
-    if (state == Sum && 32'(step) >= 2) sum <= sum + picked;
-    if (state == Idle || leaves_) sum <= '0;
-    case (state)
-      Idle:    if (going[oldest] && (failed[oldest] || all_done[oldest])) state <= Sum;
-      Sum:     if (32'(step) == Engines + 1) state <= Compare;
-      Compare: state <= Offer;
-      default: if (leaves_) state <= at_last ? Idle : Sum;
-    endcase
-    if (state == Compare) begin
-      if (failed[oldest]) sum <= '0;
-      if (better || failed[oldest]) begin
-        best       <= failed[oldest] ? '0 : sum;
-        best_class <= failed[oldest] ? '0 : at_class;
+    if (!reads && going[oldest] && (failed[oldest] || all_done[oldest])) {reads, asks} <= '1;
+    if (advance) begin
+      if (asks) asked <= (asked == ClassBits'(Classes - 1)) ? '0 : asked + 1'b1;
+      if (asks && asked == ClassBits'(Classes - 1)) asks <= 1'b0;
+      valid_at    <= {valid_at[Engines-1:0], asks};
+      class_at[0] <= asked;
+      for (int unsigned e = 0; e < Engines; e++) class_at[e+1] <= class_at[e];
+      out_valid_o <= valid_at[Engines];
+      out_id_o    <= class_at[Engines];
+      out_votes_o <= total;
+      out_last_o  <= class_at[Engines] == ClassBits'(Classes - 1);
+      out_error_o <= errors[oldest];
+      if (valid_at[Engines] && better) begin
+        best        <= total;
+        out_class_o <= class_at[Engines];
       end
     end
-    if (leaves_) at_class <= at_last ? '0 : at_class + 1'b1;
-    if (leaves_last) oldest <= oldest + 1'b1;
+    if (leaves_last) begin
+      reads  <= 1'b0;
+      oldest <= oldest + 1'b1;
+    end
 
     if (rst_i) begin
       place     <= '0;
@@ -222,8 +219,11 @@ module msn_forest #(
       swapping  <= 1'b0;
       bank      <= 1'b0;
       loading   <= 1'b0;
-      state     <= Idle;
-      at_class  <= '0;
+      reads     <= 1'b0;
+      asks      <= 1'b0;
+      asked     <= '0;
+      valid_at  <= '0;
+      out_valid_o <= 1'b0;
     end
   end
 
@@ -248,7 +248,8 @@ module msn_forest #(
       .load_root_i(mine && load_kind == 2'd1), .load_leaf_i(load && load_kind == 2'd2),
       .load_count_i(mine && load_kind == 2'd3), .load_address_i(load_address), .load_data_i(load_data[31:0]),
       .empty_o(empty[e]),
-      .read_context_i(oldest), .read_class_i(16'(at_class)), .read_votes_o(votes[32*e+:32]),
+      .read_context_i(oldest), .read_i(advance), .read_class_i(16'(class_at[e])), .read_sum_i(sum_at[e]),
+      .read_votes_o(sum_at[e+1]),
       .req_valid_o(req_valid), .req_ready_i(req_ready), .req_bank_o(req_bank), .req_address_o(req_address),
       .req_tag_o(req_tag),
       .rsp_valid_i(rsp_valid), .rsp_tag_i(rsp_tag), .rsp_data_i(rsp_data)

@@ -59,7 +59,9 @@ module msn_forest_engine #(
   output logic                   empty_o,     // no trees in this bank
 
   input  logic [ContextBits-1:0] read_context_i,
+  input  logic                   read_i,      // a class of the sums, added to those of the engines before this one
   input  logic [15:0]            read_class_i,
+  input  logic [31:0]            read_sum_i,
   output logic [31:0]            read_votes_o,
 
   output logic                   req_valid_o,
@@ -305,7 +307,7 @@ module msn_forest_engine #(
     .in_valid_i(leaf_valid), .in_ready_o(leaf_take), .in_leaf_i(leaf), .in_none_i(leaf_bad),
     .in_context_i(leaf_context), .in_bank_i(bank_i),
     .counted_o(counted), .free_i,
-    .read_context_i, .read_class_i, .read_votes_o,
+    .read_context_i, .read_i, .read_class_i, .read_sum_i, .read_votes_o,
     .write_i(load_leaf_i), .write_bank_i(!bank_i), .write_row_i(load_address_i[15:0]),
     .write_class_i(load_address_i[31:16]), .write_data_i(load_data_i[15:0])
   );

@@ -35,7 +35,9 @@ module msn_forest_votes #(
   input  logic [Contexts-1:0] free_i,
 
   input  logic [ContextBits-1:0] read_context_i,
+  input  logic        read_i,        // read_votes_o = read_sum_i + V_c
   input  logic [15:0] read_class_i,
+  input  logic [31:0] read_sum_i,
   output logic [31:0] read_votes_o,
 
   input  logic        write_i,
@@ -134,6 +136,9 @@ module msn_forest_votes #(
     assign read_sums[32*k+:32] = sums[place_read];
   end
 
+  logic [31:0] read_one;
+  assign read_one = begun[read_context_i] ? read_sums[32*(32'(read_class_i) % Lanes)+:32] : '0;
+
   always_ff @(posedge clk_i) begin
     valid        <= Stages'({valid, in_valid_i});
     marks        <= (Stages*MarkBits)'({marks, group, in_none_i, in_context_i, group_last});
@@ -144,7 +149,7 @@ module msn_forest_votes #(
       begun[of_context]     <= 1'b1;
     end
     for (int unsigned k = 0; k < Contexts; k++) if (free_i[k]) begun[k] <= 1'b0;
-    read_votes_o <= begun[read_context_i] ? read_sums[32*(32'(read_class_i) % Lanes)+:32] : '0;
+    if (read_i) read_votes_o <= read_sum_i + read_one;
     if (rst_i || flush_i) begin
       valid     <= '0;
       group     <= '0;

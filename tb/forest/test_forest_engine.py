@@ -92,7 +92,8 @@ async def begin(dut, given, answers):
                 dut.load_address_i.value, dut.load_data_i.value = address, data
                 await bench.RisingEdge(dut.clk_i)
         port.value = 0
-    dut.bank_i.value = dut.req_ready_i.value = 1
+    dut.bank_i.value = dut.req_ready_i.value = dut.read_i.value = 1
+    dut.read_sum_i.value = 0
     played = Played(dut, memory.nodes, answers)
     await played.steps(parameter(dut, "Walkers") + 4)
     return played

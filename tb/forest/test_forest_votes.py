@@ -12,7 +12,7 @@ import bench
 from harness.refusals import refusals
 from meissner.twins.forest.forest import Forest, votes_of
 
-IDLE = {"flush_i": 0, "free_i": 0, "write_i": 0, "in_bank_i": 0}
+IDLE = dict.fromkeys(("flush_i", "free_i", "write_i", "in_bank_i", "read_i"), 0)
 
 
 def sizes(dut):
@@ -35,13 +35,15 @@ async def write(dut, draw, bank):
 
 
 async def read(dut, context):
+    """The votes of every class, read on top of a sum; without read_i they stay."""
     votes = []
     for label in range(dut.Classes.value.to_unsigned()):
-        dut.read_context_i.value, dut.read_class_i.value = context, label
+        dut.read_context_i.value, dut.read_class_i.value, dut.read_sum_i.value = context, label, 3 << 28
+        dut.read_i.value = 1
         await bench.clocks(dut, 1)
-        await bench.ReadOnly()
-        votes.append(bench.read(dut.read_votes_o))
-        await bench.RisingEdge(dut.clk_i)
+        dut.read_class_i.value, dut.read_sum_i.value, dut.read_i.value = 0, 5, 0
+        await bench.clocks(dut, 2)
+        votes.append((bench.read(dut.read_votes_o) - (3 << 28)) % (1 << 32))
     return votes
 
 

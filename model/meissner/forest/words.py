@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from meissner.forest.file import Model
 
+NODE, ROOT, VOTE, COUNT = range(4)  # kinds of a load
 FEATURES, LEAVES = 1 << 8, 1 << 16
 THRESHOLD_BITS = 22
 THRESHOLD_LIMIT = 1 << THRESHOLD_BITS - 1
@@ -116,12 +117,12 @@ def loads(model: Model, engines: int) -> list[tuple[int, int, int, int]]:
     rows = []
     for engine, trees in enumerate(spread(model, engines)):
         memory = pack(model, trees)
-        rows += [(0, engine, address, int(word)) for address, word in enumerate(memory.nodes)]
-        rows += [(1, engine, index, int(root)) for index, root in enumerate(memory.roots)]
-        rows.append((3, engine, 0, len(trees)))
+        rows += [(NODE, engine, address, int(word)) for address, word in enumerate(memory.nodes)]
+        rows += [(ROOT, engine, index, int(root)) for index, root in enumerate(memory.roots)]
+        rows.append((COUNT, engine, 0, len(trees)))
     if len(model.classes) != 2:
         rows += [
-            (2, 0, label << 16 | row, int(value))
+            (VOTE, 0, label << 16 | row, int(value))
             for row, leaf in enumerate(model.leaves)
             for label, value in enumerate(leaf)
         ]
