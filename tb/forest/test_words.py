@@ -119,7 +119,7 @@ def test_trees_are_spread_by_size_there_and_back():
 
 
 def test_the_writes_that_load_a_forest():
-    """OTHER and ALONE by two engines: kind, engine, address, data; then votes by class and row, three classes."""
+    """OTHER and ALONE by two engines: kind, engine, address, data; then votes by class and row."""
     leaves = [[1, 2, 65532], [7, 65500, 28], [65535, 0, 0]]
     node = lambda word: int(word, 16)
     assert words.loads(model(leaves, [4, 5, 6], [ALONE, OTHER]), 2) == [
