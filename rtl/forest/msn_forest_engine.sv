@@ -59,7 +59,7 @@ module msn_forest_engine #(
   output logic                   empty_o,     // no trees in this bank
 
   input  logic [ContextBits-1:0] read_context_i,
-  input  logic                   read_i,      // a class of the sums, added to those of the engines before this one
+  input  logic                   read_i,      // a class, added to the sum of the engines before
   input  logic [15:0]            read_class_i,
   input  logic [31:0]            read_sum_i,
   output logic [31:0]            read_votes_o,
@@ -126,7 +126,8 @@ module msn_forest_engine #(
     .write_word_i(RootBits'(load_address_i)), .write_data_i(AddressBits'(load_data_i))
   );
   always_ff @(posedge clk_i) begin
-    start         <= !issuing && !start && eligible != '0 && !filling;  // registered: it would be the slowest path
+    // Registered: combinational it is the slowest path, from the decisions to the memory of roots.
+    start         <= !issuing && !start && eligible != '0 && !filling;
     start_context <= next_context;
     if (take_root) begin
       left    <= left - 1'b1;
@@ -153,7 +154,8 @@ module msn_forest_engine #(
   msn_check u_root_is_not_spoilt (.clk_i, .rst_i, .wrong_i(!rst_i && take_root && root_spoilt));
 
   // Three queues: nodes to read, leaves to count, tags without a tree. None overflows, as there are Walkers tags.
-  logic                   clear, walk_in, walk_valid, walk_take, leaf_in, leaf_valid, leaf_take, free_in, free_valid;
+  logic                   clear, walk_in, walk_valid, walk_take, leaf_in, leaf_valid, leaf_take;
+  logic                   free_in, free_valid;
   logic                   leaf_bad;
   logic [ContextBits-1:0] walk_context, leaf_context, request_context;
   logic [AddressBits-1:0] walk_address;
@@ -303,7 +305,9 @@ module msn_forest_engine #(
   end
 
   logic [Contexts-1:0] counted;
-  msn_forest_votes #(.Classes(Classes), .Leaves(Leaves), .Banks(Banks), .Lanes(Lanes), .Contexts(Contexts)) u_votes (
+  msn_forest_votes #(
+    .Classes(Classes), .Leaves(Leaves), .Banks(Banks), .Lanes(Lanes), .Contexts(Contexts)
+  ) u_votes (
     .clk_i, .rst_i, .flush_i,
     .in_valid_i(leaf_valid), .in_ready_o(leaf_take), .in_leaf_i(leaf), .in_none_i(leaf_bad),
     .in_context_i(leaf_context), .in_bank_i(bank_i),
