@@ -132,7 +132,7 @@ async def decides_on_contexts_in_their_order(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def walks_a_tree_in_eleven_clocks_a_node(dut):
-    """One tree in block RAM's two clocks: requests 11 clocks apart; the next tree's 14 after the last one."""
+    """One tree in block RAM's two clocks: requests 11 clocks apart."""
     draw = random.Random(bench.SEED)
     chain = tree(draw, 3, 4, 900, depth=12, chain=True)
     given = small(draw, dut, [chain])
