@@ -24,6 +24,7 @@ rtl/common/msn_exp2.sv
 rtl/common/msn_fifo.sv
 rtl/common/msn_fork.sv
 rtl/common/msn_width_converter.sv
+rtl/forest/msn_sdram.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
