@@ -10,7 +10,7 @@
 // The times in clocks follow from those that suit all four parts, ClkKhz and PowerUpUs (docs/sdram.md). Pins leave from
 // and arrive in registers; the part's clock is clk_i inverted. A reset loses what the memory holds.
 //
-// Latency: ReadClocks + 10 clocks at 100 MHz for a read that finds its bank closed, one read in four clocks.
+// Latency: ReadClocks + 12 clocks at 100 MHz for a read that finds its bank closed, one read in four clocks.
 // Model: model/meissner/twins/forest/sdram.py
 // Error: none.
 
@@ -81,6 +81,11 @@ module msn_sdram #(
   localparam int unsigned Turn      = 64;  // clocks for reads between two loads
   localparam int unsigned WaitBits    = $clog2(PowerUp + 1);
   localparam int unsigned RefreshBits = $clog2(Refresh);
+  localparam int unsigned RestBits    = 12;
+
+  function automatic logic [RestBits-1:0] ones(int unsigned count);
+    ones = RestBits'((32'd1 << count) - 32'd1);
+  endfunction
 
   // RAS, CAS, WE; a deselected part ignores all three.
   typedef enum logic [2:0] {Mode, AutoRefresh, Precharge, Activate, Write, Read, Stop, Nop} command_e;
@@ -112,74 +117,48 @@ module msn_sdram #(
   assign next = pause == '0 && state != Up;
   assign up_o = state == Up;
 
-  // A bank is idle, or open until its read; `rest` counts the clocks until it may go on.
-  logic [3:0]      open, rested, can_open, can_read;
-  logic [3:0][3:0] rest;
-  logic [1:0]      open_rest, burst_rest;  // since a row of any bank was opened, since a read
+  // Decided in the clock before.
+  logic       sets, refreshes, load_opens, writes;
+  logic [3:0] opens, reads;
+  state_e     sets_state;
+
+  // A bank is idle, or open until its read. `rest`: a bit for each clock until it may go on. What it can do in the next
+  // clock is known in this one, so that the choice begins from registers.
+  logic [3:0]               open, can_open, can_read;
+  logic [3:0][RestBits-1:0] rest;
+  logic [RestBits-1:0]      open_rest, burst_rest;  // since a row of any bank was opened, since a read
+  logic [3:0]               rested;
   for (genvar bank = 0; bank < 4; bank++) begin : gen_bank
-    assign rested[bank] = rest[bank] == '0;
+    assign rested[bank] = !rest[bank][0];
   end
 
-  // What waits until no row is open: a refresh, then a load; loads and reads take turns.
+  // What waits until no row is open: a refresh, then a load; loads and reads take turns if both wait.
   logic [RefreshBits-1:0] refresh_count;
   logic [6:0]             load_rest;
-  logic                   refresh_due, load_due, closed, loading, writing;
+  logic                   refresh_due, load_due, closed, hold, loading, writing;
   logic [1:0]             beat;
-  assign load_due = load_valid_i && (load_rest == '0 || queue_valid == '0);
-  assign closed   = up_o && open == '0 && rested == '1 && !loading;
+  assign hold   = refresh_due || load_due || loading || !up_o;
+  assign closed = up_o && open == '0 && rested == '1 && !loading;
 
   logic refresh, load_open, load_write, activate, read;
   assign refresh    = closed && refresh_due;
   assign load_open  = closed && !refresh_due && load_due;
-  assign load_write = loading && !writing && rested == '1;
-  assign can_read   = open & rested;
-  assign read       = can_read != '0 && burst_rest == '0;
-  assign can_open   = queue_valid & ~open & rested;
-  assign activate   = up_o && can_open != '0 && open_rest == '0 && !read && !refresh_due && !load_due && !loading;
+  assign load_write = loading && !writing && !writes && rested[0];
+  assign read       = can_read != '0 && !burst_rest[0];
+  assign activate   = can_open != '0 && !open_rest[0] && !hold && !read;
 
-  // The first bank from `from` on.
-  function automatic logic [1:0] pick(logic [3:0] banks, logic [1:0] from);
-    pick = from;
-    for (int unsigned step = 3; step >= 1; step--) if (banks[from + 2'(step)]) pick = from + 2'(step);
-    if (banks[from]) pick = from;
+  // The lowest bank of those in `after`, else the lowest.
+  function automatic logic [3:0] lowest(logic [3:0] x);
+    lowest = {x[3] && x[2:0] == '0, x[2] && x[1:0] == '0, x[1] && !x[0], x[0]};
   endfunction
-  logic [1:0] open_from, read_from, open_bank, read_bank;
-  assign open_bank  = pick(can_open, open_from);
-  assign read_bank  = pick(can_read, read_from);
-  assign queue_take = {3'b0, read} << read_bank;
-
-  // The command, and to the pins in the next clock.
-  command_e    command;
-  logic [1:0]  bank;
-  logic [12:0] address;
-  always_comb begin
-    command = Nop;
-    bank    = load_address_i[21:20];
-    address = load_address_i[19:7];
-    if (next) begin
-      case (state)
-        Power:      command = Precharge;
-        Refreshing: command = AutoRefresh;
-        Set:        command = Mode;
-        default:    command = Nop;
-      endcase
-      bank    = '0;
-      address = state == Set ? ModeWord : AllBanks;
-    end else if (refresh) command = AutoRefresh;
-    else if (load_open) command = Activate;
-    else if (load_write) begin
-      command = Write;
-      address = {2'b0, 1'b1, 1'b0, load_address_i[6:0], 2'b0};
-    end else if (read) begin
-      command = Read;
-      bank    = read_bank;
-      address = {2'b0, 1'b1, 1'b0, queue_place[read_bank][6:0], 2'b0};
-    end else if (activate) begin
-      command = Activate;
-      bank    = open_bank;
-      address = queue_place[open_bank][19:7];
-    end
-  end
+  function automatic logic [3:0] above(logic [2:0] one);
+    above = {one != '0, one[1:0] != '0, one[0], 1'b0};
+  endfunction
+  logic [3:0] open_after, read_after, open_pick, read_pick, opens_bank, reads_bank;
+  assign open_pick  = lowest((can_open & open_after) != '0 ? can_open & open_after : can_open);
+  assign read_pick  = lowest((can_read & read_after) != '0 ? can_read & read_after : can_read);
+  assign opens_bank = activate ? open_pick : '0;
+  assign reads_bank = read ? read_pick : '0;
 
   always_ff @(posedge clk_i) begin
     if (pause != '0) pause <= pause - 1'b1;
@@ -206,29 +185,26 @@ module msn_sdram #(
     refresh_due   <= up_o && (refresh_count == '0 || (refresh_due && !refresh));
 
     for (int unsigned each = 0; each < 4; each++) begin
-      if (rest[each] != '0) rest[each] <= rest[each] - 1'b1;
-      if (refresh) rest[each] <= 4'(Rfc - 1);
-      if (load_open) rest[each] <= 4'(Rcd - 1);
-      if (load_write) rest[each] <= 4'(Burst - 1 + Wr + Rp - 1);
+      rest[each] <= rest[each] >> 1;
+      if (refresh) rest[each] <= ones(Rfc - 1);
+      if (load_open || opens_bank[each]) rest[each] <= ones(Rcd - 1);
+      if (load_write) rest[each] <= ones(Burst - 1 + Wr + Rp - 1);
+      if (reads_bank[each]) rest[each] <= ones(Burst + Rp - 1);
+      can_open[each] <= queue_valid[each] && !open[each] && !rest[each][1] && !opens_bank[each] && !refresh;
+      can_read[each] <= open[each] && !rest[each][1] && !reads_bank[each];
     end
-    if (activate) begin
-      open[open_bank] <= 1'b1;
-      rest[open_bank] <= 4'(Rcd - 1);
-      open_from       <= open_bank + 1'b1;
-    end
-    if (read) begin
-      open[read_bank] <= 1'b0;
-      rest[read_bank] <= 4'(Burst + Rp - 1);
-      read_from       <= read_bank + 1'b1;
-    end
-    open_rest  <= activate ? 2'(Rrd - 1) : open_rest == '0 ? '0 : open_rest - 1'b1;
-    burst_rest <= read ? 2'(Burst - 1) : burst_rest == '0 ? '0 : burst_rest - 1'b1;
+    open       <= (open | opens_bank) & ~reads_bank;
+    open_rest  <= activate ? ones(Rrd - 1) : open_rest >> 1;
+    burst_rest <= read ? ones(Burst - 1) : burst_rest >> 1;
+    if (activate) open_after <= above(open_pick[2:0]);
+    if (read) read_after <= above(read_pick[2:0]);
 
     if (load_open) loading <= 1'b1;
-    if (load_write) writing <= 1'b1;
+    if (writes) writing <= 1'b1;
     if (load_ready_o) {loading, writing} <= '0;
-    beat      <= load_write || writing ? beat + 1'b1 : '0;
+    beat      <= writes || writing ? beat + 1'b1 : '0;
     load_rest <= load_ready_o ? 7'(Turn) : load_rest == '0 ? '0 : load_rest - 1'b1;
+    load_due  <= load_valid_i && !loading && !load_open && (load_rest == '0 || queue_valid == '0);
 
     if (rst_i) begin
       state         <= Power;
@@ -238,26 +214,76 @@ module msn_sdram #(
       refresh_due   <= 1'b0;
       rest          <= '0;
       open          <= '0;
-      open_from     <= '0;
-      read_from     <= '0;
+      can_open      <= '0;
+      can_read      <= '0;
+      open_after    <= '0;
+      read_after    <= '0;
       open_rest     <= '0;
       burst_rest    <= '0;
       loading       <= 1'b0;
       writing       <= 1'b0;
       beat          <= '0;
       load_rest     <= '0;
+      load_due      <= 1'b0;
     end
   end
   assign load_ready_o = writing && beat == 2'd3;
 
+  // A clock later: the command and its address. A read takes its entry from the queue, and a row is opened for the
+  // entry that is next.
+  always_ff @(posedge clk_i) begin
+    sets_state <= state;
+    sets       <= next;
+    refreshes  <= refresh;
+    load_opens <= load_open;
+    writes     <= load_write;
+    opens      <= opens_bank;
+    reads      <= reads_bank;
+    if (rst_i) {sets, refreshes, load_opens, writes, opens, reads} <= '0;
+  end
+  assign queue_take = reads;
+
+  logic [19:0]        place;  // of the bank that reads or opens
+  logic [TagBits-1:0] tag;
+  logic [1:0]         bank;
+  always_comb begin
+    place = '0;
+    tag   = '0;
+    for (int unsigned each = 0; each < 4; each++) begin
+      place |= {20{opens[each] || reads[each]}} & queue_place[each];
+      tag   |= {TagBits{reads[each]}} & queue_tag[each];
+    end
+    bank = {opens[3] || reads[3] || opens[2] || reads[2], opens[3] || reads[3] || opens[1] || reads[1]};
+  end
+
   // The pins. Data are enabled in the clocks of a written burst only.
+  command_e    command;
+  logic        loads;
+  logic [19:0] where;
+  assign loads = load_opens || writes;
+  assign where = loads ? load_address_i[19:0] : place;
+  always_comb begin
+    command = Nop;
+    if (sets) begin
+      case (sets_state)
+        Power:      command = Precharge;
+        Refreshing: command = AutoRefresh;
+        Set:        command = Mode;
+        default:    command = Nop;
+      endcase
+    end else if (refreshes) command = AutoRefresh;
+    else if (load_opens || opens != '0) command = Activate;
+    else if (writes) command = Write;
+    else if (reads != '0) command = Read;
+  end
   always_ff @(posedge clk_i) begin
     {sdram_ras_n_o, sdram_cas_n_o, sdram_we_n_o} <= command;
     sdram_cs_n_o      <= command == Nop;
-    sdram_ba_o        <= bank;
-    sdram_a_o         <= address;
+    sdram_ba_o        <= sets ? '0 : loads ? load_address_i[21:20] : bank;
+    sdram_a_o         <= sets ? (sets_state == Set ? ModeWord : AllBanks)
+                         : load_opens || opens != '0 ? where[19:7] : {4'b0010, where[6:0], 2'b0};
     sdram_dq_o        <= load_data_i[16*beat+:16];
-    sdram_dq_enable_o <= load_write || writing;
+    sdram_dq_enable_o <= writes || writing;
     sdram_dqm_o       <= {2{!up_o}};
     sdram_cke_o       <= 1'b1;
     if (rst_i) begin
@@ -277,8 +303,8 @@ module msn_sdram #(
   always_ff @(posedge clk_i) begin
     arrived     <= sdram_dq_i;
     earlier     <= {arrived, earlier[47:16]};
-    reading     <= {reading[Last-1:0], read};
-    reading_tag <= {reading_tag[Last-1:0], queue_tag[read_bank]};
+    reading     <= {reading[Last-1:0], reads != '0};
+    reading_tag <= {reading_tag[Last-1:0], tag};
     if (rst_i) reading <= '0;
   end
   assign rsp_valid_o = reading[Last];

@@ -160,8 +160,9 @@ class Forest:
         q, missing = self.quantise(x)
         return self._walk(q, missing)[1]
 
-    def _walk(self, q, missing):
-        """The leaf of each row in each tree [rows, trees], and the nodes compared."""
+    def _walk(self, q, missing, paths=None):
+        """The leaf of each row in each tree [rows, trees], and the nodes compared; ``paths`` gets (row and
+        tree, node) of each step."""
         trees = len(self._roots)
         at = np.tile(self._roots, len(q))
         steps = np.zeros(len(at), np.int64)
@@ -169,6 +170,8 @@ class Forest:
         while going.size:
             node, row = at[going], going // trees
             steps[going] += 1
+            if paths is not None:
+                paths.append((going, node))
             feature = self._feature[node]
             left = q[row, feature] <= self._threshold[node]
             if missing is not None:
