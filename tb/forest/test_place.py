@@ -1,5 +1,5 @@
-"""Where trees lie in four banks: a walk through the banks gives the forest's votes, each tree in one bank; sums of
-walks by hand; every bank filled to the last word, and one word less."""
+"""Where trees lie in four banks: a walk through the banks gives the forest's votes, each tree in one bank;
+sums of walks by hand; every bank filled to the last word, and one word less."""
 
 from types import SimpleNamespace
 
@@ -23,9 +23,11 @@ def test_lengths_by_hand():
 
 
 def test_banks_by_hand():
-    """Walks of 9, 8, 7, 6 go to banks 0 to 3, then 5 to the bank of 6, 4 to that of 7, 1 to that of 8, at 8 less
-    than the others; each is walked when its bank is free."""
-    found = place(model(LEAVES, [0, 1], [ALONE, OTHER, LISTS, OTHER, ALONE, OTHER, LISTS]), [5, 9, 8, 1, 7, 4, 6])
+    """Walks of 9, 8, 7, 6 go to banks 0 to 3, then 5 to the bank of 6, 4 to that of 7, 1 to that of 8, at 8
+    less than the others; each is walked when its bank is free."""
+    found = place(
+        model(LEAVES, [0, 1], [ALONE, OTHER, LISTS, OTHER, ALONE, OTHER, LISTS]), [5, 9, 8, 1, 7, 4, 6]
+    )
     banks = dict(zip(found.order.tolist(), (found.roots // BANK).tolist()))
     assert banks == {1: 0, 2: 1, 4: 2, 6: 3, 0: 3, 5: 2, 3: 1}
     assert found.order.tolist() == [1, 2, 4, 6, 0, 5, 3]  # at 0, 0, 0, 0, 6, 7, 8
@@ -56,7 +58,10 @@ def test_a_walk_through_the_banks_gives_the_votes(classes, trees):
     rows = forest.quantise(x)[0].tolist()
     assert [votes(memory, row, classes) for row in rows] == forest.process(x).votes.tolist()
     assert sorted(found.order) == list(range(trees))
-    sums = [sum(walks[tree] for tree, root in zip(found.order, found.roots) if root // BANK == bank) for bank in range(4)]
+    sums = [
+        sum(walks[tree] for tree, root in zip(found.order, found.roots) if root // BANK == bank)
+        for bank in range(4)
+    ]
     assert trees < 4 or max(sums) - min(sums) <= walks.max()
 
 

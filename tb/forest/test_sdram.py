@@ -149,9 +149,9 @@ async def reads_at_random(dut, gap, flight):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def clocks_by_hand(dut):
-    """One read: 3 of the queue, 2 to decide, ACT to READ, ReadClocks and a clock to the first beat, 3 to the last one. The
-    next of that bank follows when the row was open for ACT to READ and 4, and closed; that of another bank
-    after 4, as the data lines allow. 21 ns are 3 clocks at 100 and 133 MHz, 1 at 25 MHz."""
+    """One read: 3 of the queue, 2 to decide, ACT to READ, ReadClocks and a clock to the first beat, 3 to the
+    last one. The next of that bank follows when the row was open for ACT to READ and 4, and closed; that of
+    another bank after 4, as the data lines allow. 21 ns are 3 clocks at 100 and 133 MHz, 1 at 25 MHz."""
     latency, cycle = {100_000: (16, 10), 133_000: (16, 10), 25_000: (14, 7)}[clk_khz(dut)]
     model = await up(dut)
     addresses = [bank << 20 | row << 7 for bank in range(4) for row in range(8)]

@@ -1,5 +1,5 @@
-"""``meissner forest-budget``: what a forest needs of each board, how long a decision takes, what a smaller one
-costs, and the best that fits (docs/forest.md, "Budget")."""
+"""``meissner forest-budget``: what a forest needs of each board, how long a decision takes, what a smaller
+one costs, and the best that fits (docs/forest.md, "Budget")."""
 
 import csv
 import json
@@ -55,8 +55,8 @@ def _deal(sizes, engines):
 
 
 def walks(forest, x=None):
-    """Nodes that are read for the mean and for the worst decision, [rows, trees] each: of the rows ``x``, else of
-    walks that go left as often as right, and of the longest path of every tree."""
+    """Nodes that are read for the mean and for the worst decision, [rows, trees] each: of the rows ``x``,
+    else of walks that go left as often as right, and of the longest path of every tree."""
     if x is not None:
         steps = np.maximum(forest.steps(x), 1)
         return steps, steps
@@ -135,8 +135,8 @@ def _memory(name, need, room, spent, mhz, known):
 def tell(found):
     mean, worst = found["nodes_a_decision"]
     text = [
-        f"{found['trees']} trees, {found['nodes']} nodes, {found['bits'] / 1e6:.2f} Mbit, {found['classes']} classes, "
-        f"{found['features']} features",
+        f"{found['trees']} trees, {found['nodes']} nodes, {found['bits'] / 1e6:.2f} Mbit, "
+        f"{found['classes']} classes, {found['features']} features",
         f"nodes of a decision: mean {mean:.0f}, worst {worst}",
         "",
     ]
@@ -157,8 +157,8 @@ def table(rows):
 
 
 def read_rows(path, names):
-    """(x, y) of labelled rows: x and y of a .npz file, or a .csv file whose header names every feature and whose
-    last column is the label."""
+    """(x, y) of labelled rows: x and y of a .npz file, or a .csv file whose header names every feature and
+    whose last column is the label."""
     path = files.check_in(path)
     if path.suffix.lower() == ".npz":
         given = files.read_arrays(path)
@@ -170,7 +170,9 @@ def read_rows(path, names):
         with path.open(newline="", encoding="utf-8") as text:
             lines = list(csv.reader(text))
         if not lines or lines[0][:-1] != names:
-            raise ValueError(f"{path}: its header must be {', '.join(names[:8])}{' ...' * (len(names) > 8)}, label")
+            raise ValueError(
+                f"{path}: its header must be {', '.join(names[:8])}{' ...' * (len(names) > 8)}, label"
+            )
         for number, line in enumerate(lines[1:], start=2):
             if len(line) != len(names) + 1:
                 raise ValueError(f"{path}, line {number}: {len(line)} values are not {len(names) + 1}")
@@ -212,7 +214,7 @@ def smaller(reducer, compared):
     for most in dict.fromkeys(max(depth * part // 8, 1) for part in (6, 4, 3, 2)):
         made.append((f"depth {most}", reducer.build(reducer.within(most))))
     for bits in (8, 4, 1):
-        made.append((f"leaves of {bits} bits", reducer.build(everything, bits=bits)))
+        made.append((f"leaves of {bits} bit{'s' * (bits > 1)}", reducer.build(everything, bits=bits)))
     return [(what, each.nodes, *compared.of(each)) for what, each in made]
 
 

@@ -156,7 +156,8 @@ class Forest:
         return self.next(x)
 
     def steps(self, x: ArrayLike) -> NDArray[np.int64]:
-        """Nodes that are compared for each row in each tree [rows, trees], with the errors of ``quantise``."""
+        """Nodes that are compared for each row in each tree [rows, trees], with the errors of
+        ``quantise``."""
         q, missing = self.quantise(x)
         return self._walk(q, missing)[1]
 

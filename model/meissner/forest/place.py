@@ -1,5 +1,5 @@
-"""Where the trees of a forest lie in an SDRAM of four banks, so that walks of several trees read from all of them
-(rtl/forest/msn_sdram.sv).
+"""Where the trees of a forest lie in an SDRAM of four banks, so that walks of several trees read from all of
+them (rtl/forest/msn_sdram.sv).
 
 A tree lies in one bank. Each goes, the longest walks first, to the bank with the shortest sum so far that has
 room; they are walked in the order in which the banks' sums grow, so that all banks are busy until the end.
@@ -16,8 +16,8 @@ from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 
 class Placed(NamedTuple):
-    """``order``: indices of the trees, as they are walked; ``roots``: word address of each of these; ``blocks``:
-    (word address, words) of each bank; ``leaves``: as meissner.forest.words.Words."""
+    """``order``: indices of the trees, as they are walked; ``roots``: word address of each of these;
+    ``blocks``: (word address, words) of each bank; ``leaves``: as meissner.forest.words.Words."""
 
     order: NDArray[np.int64]
     roots: NDArray[np.int64]
@@ -35,7 +35,7 @@ def _mean(tree: Any) -> float:
         return 1.0  # a word of its own
     share = np.zeros(len(tree.feature))
     share[0] = 1.0
-    for node, half in enumerate(share):  # children have greater numbers
+    for node in range(len(share)):  # children have greater numbers
         for child in (tree.left[node], tree.right[node]):
             if child >= 0:
                 share[child] += share[node] / 2
@@ -43,8 +43,8 @@ def _mean(tree: Any) -> float:
 
 
 def place(model: Model, walks: Any = None, room: int = BANK_WORDS) -> Placed:
-    """``walks``: mean length of each tree's walks, as Forest.steps counts them; else ``lengths``. ``room``: words of
-    a bank. ValueError if the forest does not fit."""
+    """``walks``: mean length of each tree's walks, as Forest.steps counts them; else ``lengths``. ``room``:
+    words of a bank. ValueError if the forest does not fit."""
     walks = np.asarray(lengths(model) if walks is None else walks, np.float64)
     sizes = np.array([max(len(tree.feature), 1) for tree in model.trees])
     sums, used = np.zeros(BANKS), np.zeros(BANKS, np.int64)

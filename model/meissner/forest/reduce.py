@@ -1,10 +1,9 @@
-"""Smaller forests out of one: fewer trees, less depth, nodes cut where the votes change least, fewer bits of a leaf
-(docs/forest.md, "Budget").
+"""Smaller forests out of one: fewer trees, less depth, nodes cut where the votes change least, fewer bits of
+a leaf (docs/forest.md, "Budget").
 
-A node that is cut becomes a leaf with the mean votes of the rows that reach it. Its loss is the sum of squares
-about that mean, of all rows and classes. For a price a node, the trees with the least loss + price * nodes follow
-from the leaves up; the price is the lowest that leaves no more nodes than there is room for.
-"""
+A node that is cut becomes a leaf with the mean votes of the rows that reach it. Its loss is the sum of
+squares about that mean, of all rows and classes. For a price a node, the trees with the least loss + price *
+nodes follow from the leaves up; the price is the lowest that leaves no more nodes than there is room for."""
 
 from dataclasses import replace
 
@@ -140,9 +139,7 @@ class Reducer:
                 continue
             own = np.flatnonzero(kept[self.base[index] : self.base[index + 1]])
             at, tree = own + self.base[index], self.model.trees[index]
-            child = np.where(
-                inner[at], number[below[at].clip(0)] - number[at[0]], -1 - place[value[at]]
-            )
+            child = np.where(inner[at], number[below[at].clip(0)] - number[at[0]], -1 - place[value[at]])
             lost = None if tree.missing_left is None else tree.missing_left[own]
             found.append(Tree(tree.feature[own], tree.threshold[own], child[:, 1], child[:, 0], lost))
         return replace(self.model, leaves=table[used], trees=found)
@@ -162,8 +159,8 @@ class Reducer:
 
 
 def _coarse(votes, bits):
-    """Votes [rows, classes] in steps of 1/(2^bits - 1), which add up to 65535: the first class that has most gets
-    the rest."""
+    """Votes [rows, classes] in steps of 1/(2^bits - 1), which add up to 65535: the first class that has most
+    gets the rest."""
     votes = votes * (ONE / votes.sum(1, keepdims=True))
     top = (1 << bits) - 1
     if votes.shape[1] == 2:  # a half to the first class
