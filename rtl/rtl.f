@@ -64,6 +64,10 @@ rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_electrodes.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
+rtl/forest/msn_forest_memory.sv
+rtl/forest/msn_forest_votes.sv
+rtl/forest/msn_forest_engine.sv
+rtl/forest/msn_forest.sv
 rtl/actuate/msn_grip.sv
 rtl/actuate/msn_pwm.sv
 rtl/actuate/msn_finger_health.sv

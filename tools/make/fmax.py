@@ -106,6 +106,13 @@ CORE_TIED = {
 AD7606 = {"Part": 2, "Lanes": 2, "ClkKhz": 100000}
 UNCOUNTED = dict.fromkeys(("dropped_o", "overrun_o", "timeout_o", "mistagged_o", "over_range_o"))
 
+# Nine features, two classes, 4096 nodes in all.
+FOREST = {"Features": 9, "Trees": 64}
+FOREST_TIED = {
+    **dict.fromkeys(("req_ready_i", "rsp_valid_i", "rsp_tag_i", "rsp_data_i"), 0),
+    **dict.fromkeys(("req_valid_o", "req_bank_o", "req_address_o", "req_tag_o")),
+}
+
 # Name: module, parameters, latency in clocks for the ns figure (or None), targets, tied ports (or nothing).
 ALONE = {"Health": 0, "Tare": 0, "Tap": 0}  # calibration and centre of pressure
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
@@ -161,6 +168,16 @@ TABLE = {
     "shear_speed": ("msn_shear_speed", {}, 58, "ecp5"),
     "log2": ("msn_log2", {}, 7, "ecp5 up5k"),
     "exp2": ("msn_exp2", {}, 6, "ecp5 up5k"),
+    **{
+        f"forest-{engines}": (
+            "msn_forest",
+            FOREST | {"Engines": engines, "Nodes": 4096 // engines},
+            None,
+            "ecp5",
+            FOREST_TIED,
+        )
+        for engines in (1, 8)
+    },
     "grip": ("msn_grip", {}, 4, "ecp5 up5k"),
     "finger_health": ("msn_finger_health", {}, 3, "ecp5 up5k"),
     "packet_slip": ("msn_packet_slip", {"P2pBits": 14}, None, "ecp5 up5k"),

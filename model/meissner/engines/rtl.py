@@ -8,6 +8,7 @@ __getattr__ = found_in(
         **dict.fromkeys(("cop4", "cop_slip"), "rtl_cop4"),
         **dict.fromkeys(("demodulate", "calibrate"), "rtl_frontend"),
         "cop": "rtl_cop",
+        "forest": "rtl_forest",
         "CoreOnPins": "rtl_core",
     }
 )

@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meissner.forest import file
+from meissner.forest import file, words
 from meissner.forest.file import INTEGER_LIMIT, ONE, Model
 from meissner.forest.quantise import to_ranks
+from meissner.twins.shared import one_of, within
 
 PAIRS = 1 << 20  # of a row and a tree, followed at the same time
 
@@ -44,20 +45,29 @@ class Forest:
     model : a fitted scikit-learn forest or tree, or meissner.forest.file.Model
     integer : sequence of str, or True
         Names of features whose values are integers below 2**24 and pass as they are; True: all.
+    engine : "fixed", "rtl" or "gate"
+        What decides: this twin, the Verilated msn_forest, or its netlist.
+    engines : int
+        Tree engines of the latter two.
 
     Attributes
     ----------
     classes_ : [classes]
         The labels, as in scikit-learn.
     n_features_in_ : int
+    run : meissner.engines.rtl_forest.Run
+        The last run of the latter two engines; printed, it says how fast it was.
 
     Raises
     ------
     ValueError
-        For a model of another kind, and one that is damaged.
+        For a model of another kind, one that is damaged, and another engine.
     """
 
-    def __init__(self, model: Any, integer: Any = ()) -> None:
+    def __init__(self, model: Any, integer: Any = (), engine: str = "fixed", engines: int = 1) -> None:
+        one_of(("fixed", "rtl", "gate"), engine=engine)
+        within(engines=(engines, 1, 64))
+        self.engine, self.engines = engine, engines
         if not isinstance(model, Model):
             from meissner.forest.sklearn import of_model
 
@@ -79,13 +89,18 @@ class Forest:
         )
 
     @classmethod
-    def from_file(cls, path: str | PathLike[str], integer: Any = (), trust: bool = False) -> "Forest":
-        """The forest in F.json, a .skops or .onnx file, or with ``trust`` a joblib file, which runs code."""
+    def from_file(
+        cls, path: str | PathLike[str], integer: Any = (), trust: bool = False, **engine: Any
+    ) -> "Forest":
+        """The forest in F.json, a .skops or .onnx file, or with ``trust`` a joblib file, which runs code.
+
+        ``engine``, ``engines``: as above.
+        """
         if Path(path).suffix.lower() == ".json":
-            return cls(file.read(path))
+            return cls(file.read(path), **engine)
         from meissner.forest.models import load
 
-        return cls(load(path, integer, trust))
+        return cls(load(path, integer, trust), **engine)
 
     def to_file(self, path: str | PathLike[str]) -> None:
         """Write F.json."""
@@ -142,6 +157,14 @@ class Forest:
         """Decisions about rows of features [rows, features], or [features] for one row, with the errors of
         ``quantise``; no state between rows."""
         q, missing = self.quantise(x)
+        if self.engine != "fixed":
+            whole, inputs = words.without_missing(self.model)
+            from meissner.engines.rtl_forest import forest
+            from meissner.engines.verilated import of_gates
+
+            decide = of_gates(forest) if self.engine == "gate" else forest
+            self.run = decide(inputs.of(q, missing), whole, self.engines)
+            return ForestResult(self.run.index, self.run.votes)
         count, trees = max(PAIRS // len(self._roots), 1), self.model.leaves
         votes = np.empty((len(q), trees.shape[1]), np.int64)
         for start in range(0, len(q), count):

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from meissner.forest.file import Model
 
+NODE, ROOT, VOTE, COUNT = range(4)  # kinds of a load
 FEATURES, LEAVES = 1 << 8, 1 << 16
 THRESHOLD_BITS = 22
 THRESHOLD_LIMIT = 1 << THRESHOLD_BITS - 1
@@ -102,6 +103,30 @@ def pack(model: Model, trees=None) -> Words:
         base += len(low)
     leaves = model.leaves[:0] if two else model.leaves
     return Words(np.concatenate([*memory, np.zeros(0, np.uint64)]), np.array(roots, np.int64), leaves)
+
+
+def spread(model: Model, engines: int) -> list[list[int]]:
+    """The trees of each engine: nodes and number of trees nearly alike, the largest trees first."""
+    order = sorted(range(len(model.trees)), key=lambda index: -len(model.trees[index].feature))
+    turn = 2 * engines
+    return [sorted(order[one::turn] + order[turn - 1 - one :: turn]) for one in range(engines)]
+
+
+def loads(model: Model, engines: int) -> list[tuple[int, int, int, int]]:
+    """(kind, engine, address, data) of every write that loads ``model`` (rtl/forest/msn_forest.sv)."""
+    rows = []
+    for engine, trees in enumerate(spread(model, engines)):
+        memory = pack(model, trees)
+        rows += [(NODE, engine, address, int(word)) for address, word in enumerate(memory.nodes)]
+        rows += [(ROOT, engine, index, int(root)) for index, root in enumerate(memory.roots)]
+        rows.append((COUNT, engine, 0, len(trees)))
+    if len(model.classes) != 2:
+        rows += [
+            (VOTE, 0, label << 16 | row, int(value))
+            for row, leaf in enumerate(model.leaves)
+            for label, value in enumerate(leaf)
+        ]
+    return rows
 
 
 def beats(words: NDArray[np.uint64]) -> NDArray[np.uint16]:
