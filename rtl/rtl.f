@@ -24,7 +24,6 @@ rtl/common/msn_exp2.sv
 rtl/common/msn_fifo.sv
 rtl/common/msn_fork.sv
 rtl/common/msn_width_converter.sv
-rtl/forest/msn_sdram.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
@@ -68,6 +67,8 @@ rtl/forest/msn_forest_memory.sv
 rtl/forest/msn_forest_votes.sv
 rtl/forest/msn_forest_engine.sv
 rtl/forest/msn_forest.sv
+rtl/forest/msn_sdram.sv
+rtl/forest/msn_forest_sdram.sv
 rtl/actuate/msn_grip.sv
 rtl/actuate/msn_pwm.sv
 rtl/actuate/msn_finger_health.sv

@@ -43,11 +43,19 @@ def test_needs_by_hand():
     """Three trees of 4, 2 and 1 words: an engine has 7 words and three roots, two engines have 4 and 1 tree,
     3 and 2 trees. Three classes: a table of leaves for each class."""
     two = model(LEAVES, [0, 1])
-    assert [budget.dealt(two, engines) for engines in (1, 2, 3)] == [(7, 3), (4, 2), (4, 1)]
+    assert budget.sizes(two, 1) == [(7, 3)] and sorted(budget.sizes(two, 2)) == [(3, 2), (4, 1)]
+    assert budget.word_bits(two) == 2 + 1 + 22 + 32
     assert budget.needs(two, "ice40", 1, 1) == 4 + 1
-    assert budget.needs(two, "ecp5", 2, 2) == 4 * (2 + 1)
+    assert budget.needs(two, "ecp5", 2, 2) == 2 * (2 + 1)
     three = model([[1, 2, 65532]] * 3, [0, 1, 2])
-    assert budget.needs(three, "ice40", 1, 2) == 2 * (4 + 1 + 3)
+    assert budget.needs(three, "ice40", 1, 2) == 4 + 1 + 3
+    six = model([[1, 2, 65532, 0, 0, 0]] * 100, [*range(6)])
+    assert budget.needs(six, "ice40", 1, 2) == 4 + 1 + 4 * 2  # 2 * 2 * 100 words of 16 in each of four lanes
+    ranked = file.document(two) | {"features": [{"name": "a", "kind": "float", "thresholds": [0.5, 1.5]}] * 3}
+    ranked["trees"] = [{"feature": [2], "threshold": [2], "left": [-1], "right": [-2]}] * 300
+    ranked = file.check(ranked)
+    assert budget.word_bits(ranked) == 2 + 2 + 3 + 32  # 2 and the greatest rank, 3, with a sign
+    assert budget.needs(ranked, "ice40", 1, 1) == 5 + 2  # 512 words of 8 bits, five times; 300 roots of 9 bits
 
 
 def test_clocks_by_hand():

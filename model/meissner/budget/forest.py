@@ -17,6 +17,7 @@ from meissner.terminal import plain
 from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 NODE_BITS = 64
+LANES = 4  # of classes that an engine adds in a clock
 SHARE = 0.95  # of the clocks in which an engine of block RAM compares a node
 SDRAM_CLOCKS = 5  # a node
 WALK_CLOCKS = 30  # from a node to its child, through the SDRAM
@@ -32,26 +33,28 @@ def rams(count, bits, cells):
     return min(-(-count // deep) * -(-bits // wide) for deep, wide in shapes if wide <= widest * extra)
 
 
+def word_bits(model):
+    """Bits of a node in block RAM (rtl/forest/msn_forest_memory.sv): kind, feature, threshold, low half."""
+    most = max((int(np.abs(tree.threshold).max(initial=0)) for tree in model.trees), default=0)
+    threshold = min((most + 1).bit_length() + 1, words.THRESHOLD_BITS)
+    return 2 + max((len(model.features) - 1).bit_length(), 1) + threshold + 32
+
+
+def sizes(model, engines):
+    """(words, trees) of each engine."""
+    own = [max(len(tree.feature), 1) for tree in model.trees]
+    return [(sum(own[tree] for tree in trees), len(trees)) for trees in words.spread(model, engines)]
+
+
 def needs(model, cells, engines, banks):
-    """Block RAMs of the nodes, the roots and the leaves of a forest."""
-    nodes, trees = dealt(model, engines)
-    address = max((nodes - 1).bit_length(), 1)
-    each = rams(nodes, NODE_BITS, cells) + rams(trees, address, cells)
+    """Block RAMs of the nodes, the roots and the leaves of a forest: as many for each engine as for the fullest."""
+    nodes, trees = (max(each) for each in zip(*sizes(model, engines)))
+    each = rams(banks * nodes, word_bits(model), cells)
+    each += rams(banks * trees, max((nodes - 1).bit_length(), 1), cells)
     if len(model.classes) != 2:
-        each += len(model.classes) * rams(len(model.leaves), 16, cells)
-    return banks * engines * each
-
-
-def dealt(model, engines):
-    """(words, trees) of the fullest engine."""
-    sizes = np.array([max(len(tree.feature), 1) for tree in model.trees])
-    own = _deal(sizes, engines)
-    return int(max(sizes[each].sum() for each in own)), max(map(len, own))
-
-
-def _deal(sizes, engines):
-    order, turn = np.argsort(-sizes, kind="stable"), 2 * engines
-    return [np.concatenate([order[one::turn], order[turn - 1 - one :: turn]]) for one in range(engines)]
+        lanes, turns = min(len(model.classes), LANES), -(-len(model.classes) // LANES)
+        each += lanes * rams(banks * turns * len(model.leaves), 16, cells)
+    return engines * each
 
 
 def walks(forest, x=None):
@@ -80,8 +83,7 @@ def clocks(model, walked, engines):
 
 
 def _clocks(model, steps, engines):
-    sizes = np.array([max(len(tree.feature), 1) for tree in model.trees])
-    busiest = np.max([steps[:, own].sum(1) for own in _deal(sizes, engines)], axis=0)
+    busiest = np.max([steps[:, own].sum(1) for own in words.spread(model, engines)], axis=0)
     ends = len(model.features) + len(model.classes) * (engines + 4)
     outside = steps.sum(1) * SDRAM_CLOCKS + WALK_CLOCKS * steps.max(1) + ends
     return {"block RAM": busiest / SHARE + ends, "SDRAM": outside}
