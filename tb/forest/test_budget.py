@@ -55,19 +55,25 @@ def test_needs_by_hand():
     ranked["trees"] = [{"feature": [2], "threshold": [2], "left": [-1], "right": [-2]}] * 300
     ranked = file.check(ranked)
     assert budget.word_bits(ranked) == 2 + 2 + 3 + 32  # 2 and the greatest rank, 3, with a sign
-    assert budget.needs(ranked, "ice40", 1, 1) == 5 + 2  # 512 words of 8 bits, five times; 300 roots of 9 bits
+    assert (
+        budget.needs(ranked, "ice40", 1, 1) == 5 + 2
+    )  # 512 words of 8 bits, five times; 300 roots of 9 bits
 
 
 def test_clocks_by_hand():
     """Rows of 3 + 2 + 1 and 2 + 1 + 1 nodes. Block RAM: a node in 1/0.95 clocks, 2 features, 2 * 5 for the
-    votes. Two engines: 3 and 2 + 1. SDRAM: 5 a node, 30 for each of the longest walk."""
+    votes. Two engines: 3 and 2 + 1. SDRAM: 28 for each node of the longest walk, which is more than 4.2 a
+    node."""
     small = model(LEAVES, [0, 1])
     steps = np.array([[3, 2, 1], [2, 1, 1]])
     assert budget.clocks(small, (steps, steps), 1) == {
         "block RAM": (round(5 / 0.95 + 12), round(6 / 0.95 + 12)),
-        "SDRAM": (25 + 75 + 12, 30 + 90 + 12),
+        "SDRAM": ((56 + 84) // 2 + 12, 84 + 12),
     }
     assert budget.clocks(small, (steps, steps), 2)["block RAM"][1] == round(3 / 0.95 + 2 + 2 * 6)
+    wide = np.full((1, 3), 10)
+    wide[0, 0] = 1
+    assert budget.clocks(small, (wide[:, [0] * 9], wide), 1)["SDRAM"] == (round(4.2 * 9) + 12, 280 + 12)
     assert [budget.depths(tree) for tree in small.trees] == [3, 2, 0]
     mean, worst = budget.walks(meissner.Forest(small))
     assert mean.tolist() == [[2.25, 1.5, 1.0]] and worst.tolist() == [[3, 2, 1]]

@@ -11,6 +11,7 @@ from cocotb.clock import Clock
 
 import bench
 from harness.refusals import refusals
+from meissner.builds.pins import description
 from meissner.twins.forest import sdram as twin
 from parts import sdram
 from parts.timing import now
@@ -269,6 +270,15 @@ async def rests_in_reset(dut):
 def test_sdram(khz, wait, bits, queue, clocks):
     given = {"ClkKhz": khz, "PowerUpUs": wait, "TagBits": bits, "Queue": queue, "ReadClocks": clocks}
     bench.run("forest", "sdram", given)
+
+
+def test_pins_of_the_ulx3s():
+    """As many as the part has, by its name of each; none is listed twice, which `description` refuses."""
+    found = description("ulx3s").sdram
+    wide = {"ba": 2, "a": 13, "dqm": 2, "dq": 16}
+    assert {name: len(lines) for name, lines in found.items() if isinstance(lines, list)} == wide
+    assert {*found} == {"clk", "cke", "cs_n", "ras_n", "cas_n", "we_n", *wide}
+    assert (found["we_n"], found["a"][10], found["dq"][15], found["dqm"][1]) == ("T20", "N19", "J17", "E20")
 
 
 EVIDENCE = {

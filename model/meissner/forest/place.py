@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meissner.forest.file import Model
-from meissner.forest.words import pack
+from meissner.forest.words import COUNT, NODE, ROOT, VOTE, pack
 from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 
@@ -71,3 +71,14 @@ def place(model: Model, walks: Any = None, room: int = BANK_WORDS) -> Placed:
             roots[own] = base + words.roots
             leaves = words.leaves
     return Placed(order, roots[order], blocks, leaves)
+
+
+def loads(placed: Placed) -> list[tuple[int, int, int, int]]:
+    """(kind, engine, address, data) of every write that loads the forest (rtl/forest/msn_forest_sdram.sv)."""
+    rows = [
+        (NODE, 0, base + at, word) for base, words in placed.blocks for at, word in enumerate(words.tolist())
+    ]
+    rows += [(ROOT, 0, index, root) for index, root in enumerate(placed.roots.tolist())]
+    table = enumerate(placed.leaves.tolist())
+    rows += [(VOTE, 0, label << 16 | row, value) for row, leaf in table for label, value in enumerate(leaf)]
+    return [*rows, (COUNT, 0, 0, len(placed.order))]

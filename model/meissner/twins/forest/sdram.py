@@ -1,4 +1,5 @@
 """Twin of rtl/forest/msn_sdram.sv: words of 64 bits by address, in an SDRAM of four banks.
+msn_forest_sdram.sv joins it to a forest, whose twin is forest.py.
 
 word address = {bank [21:20], row [19:7], column / 4 [6:0]}     four beats of 16 bits, the low one first
 """
