@@ -36,6 +36,8 @@ def test_means_and_losses_by_hand():
     assert found.loss[:4].tolist() == pytest.approx([spread(a, b, b), spread(a, b), 0, 0], abs=1)
     assert found.loss[4:].tolist() == pytest.approx([0, 0], abs=1)
     assert found.depth.tolist() == [0, 1, 1, 2, 0, 1]
+    assert found.within(2).tolist() == [1, 1, 1, 0, 1, 1] and not found.within(0).any()
+    assert found.within(1, 1).tolist() == [1, 0, 0, 0, 0, 0]
 
 
 def test_a_node_that_no_row_reaches_has_the_mean_of_its_children():
