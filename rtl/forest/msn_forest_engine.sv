@@ -99,7 +99,7 @@ module msn_forest_engine #(
 
   // The roots of the decision that begins: read ahead, one a clock.
   logic                   trees_bank, issuing, start, take_root;
-  logic [ContextBits-1:0] issue_context, start_context;
+  logic [ContextBits-1:0] issue_context, start_context, next_context;
   logic                   root_valid, root_spoilt, unused_end;
   logic [Contexts-1:0]    issued, eligible;
   logic [TreeBits-1:0]    left, trees;
@@ -110,13 +110,12 @@ module msn_forest_engine #(
   assign trees         = counts[TreeBits*32'(trees_bank)+:TreeBits];
   assign empty_o       = trees == '0;
   assign eligible      = go_i & ~issued;
-  assign start         = !issuing && eligible != '0 && !filling;
   always_comb begin
-    start_context = oldest_i;
+    next_context = oldest_i;
     for (int unsigned k = Contexts - 1; k > 0; k--) begin
-      if (eligible[oldest_i+ContextBits'(k)]) start_context = oldest_i + ContextBits'(k);
+      if (eligible[oldest_i+ContextBits'(k)]) next_context = oldest_i + ContextBits'(k);
     end
-    if (eligible[oldest_i]) start_context = oldest_i;
+    if (eligible[oldest_i]) next_context = oldest_i;
   end
   msn_frame_table #(.Words(Trees), .Parts(1), .PartBits(AddressBits), .Banks(Banks)) u_roots (
     .clk_i,
@@ -126,6 +125,8 @@ module msn_forest_engine #(
     .write_word_i(msn_pkg::index_width(Trees)'(load_address_i)), .write_data_i(AddressBits'(load_data_i))
   );
   always_ff @(posedge clk_i) begin
+    start         <= !issuing && !start && eligible != '0 && !filling;  // registered: it would be the slowest path
+    start_context <= next_context;
     if (take_root) begin
       left    <= left - 1'b1;
       issuing <= left != TreeBits'(1);
@@ -142,9 +143,8 @@ module msn_forest_engine #(
     if (load_count_i && load_data_i <= Trees) begin
       counts[TreeBits*32'(Banks == 2 && !bank_i)+:TreeBits] <= TreeBits'(load_data_i);
     end
-    if (flush_i) issuing <= 1'b0;
+    if (flush_i || rst_i) {start, issuing} <= '0;
     if (rst_i) begin
-      issuing <= 1'b0;
       issued  <= '0;
       counts  <= '0;
     end

@@ -158,13 +158,13 @@ async def is_late_one_clock_after_the_timeout(dut, which):
     given = small(draw, dut, [nodes])
     walked = 11 - 2  # from an answer to the next request
     for more in (0, 1):
-        held = {which: (limit - walked if which else limit - 1 - 4) + more}
+        held = {which: (limit - walked if which else limit - 1 - 5) + more}
         played = await begin(dut, given, lambda number, held=held: held.get(number, 2))
         await played.row(0, [-1, -1, -1])
         begun, dut.go_i.value = played.clock, 1
         await played.steps(2 * limit + 60)
         if which == 0 and more == 0:
-            assert played.asked[0][0] - begun == 4
+            assert played.asked[0][0] - begun == 5
         assert bool(played.late) == bool(more), (which, more, played.late)
         if not more:
             assert bench.read(dut.done_o) == 1 and await played.votes(0) == decide(given, [-1, -1, -1])[0]
@@ -203,28 +203,28 @@ async def begins_again_after_a_flush(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def is_stuck_until_the_last_answer(dut):
-    """Requests that are not taken, and answers that do not come, before a flush; a new decision waits for
-    both."""
+    """Two requests whose answers come late and one that is not taken, before a flush; a new decision waits
+    for all."""
     draw = random.Random(bench.SEED)
     given = small(draw, dut, 3, depth=2, stop=0)
-    gate = {"open": False}
-    played = await begin(dut, given, lambda number: 2 if gate["open"] else 60)
+    played = await begin(dut, given, lambda number: 60 if number < 2 else 20 if number == 2 else 2)
     row = [5, -5, 7]
     await played.row(0, row)
     dut.go_i.value = 1
-    await played.steps(9)
+    await played.steps(7)
     dut.req_ready_i.value = 0
     await played.steps(3)
     dut.flush_i.value = 1
     await played.step()
     dut.flush_i.value = 0
     await played.free(0)
-    gate["open"] = True
     await played.row(1, row)
     dut.go_i.value = 2
-    await played.steps(50)
-    assert bench.read(dut.stuck_o) == (1 if played.pending or bench.high(dut.req_valid_o) else 0)
+    await played.steps(70)
+    assert (len(played.asked), played.pending, bench.read(dut.stuck_o)) == (2, [], 1)
     dut.req_ready_i.value = 1
+    await played.steps(15)
+    assert (len(played.asked), bench.read(dut.stuck_o)) == (3, 1)
     await played.steps(140)
     assert (bench.read(dut.stuck_o), bench.read(dut.done_o)) == (0, 2)
     assert await played.votes(1) == decide(given, row)[0]
