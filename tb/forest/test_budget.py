@@ -14,6 +14,7 @@ from forest.test_words import model
 from meissner.budget import forest as budget
 from meissner.cli import main
 from meissner.forest import file
+from meissner.forest.reduce import Reducer
 
 LEAVES = [[0, 65535], [21554, 43981], [65277, 258]]
 
@@ -77,6 +78,15 @@ def test_clocks_by_hand():
     assert [budget.depths(tree) for tree in small.trees] == [3, 2, 0]
     mean, worst = budget.walks(meissner.Forest(small))
     assert mean.tolist() == [[2.25, 1.5, 1.0]] and worst.tolist() == [[3, 2, 1]]
+
+
+def test_room_by_hand():
+    """Of 204 block RAMs, 29 times seven of 2048 words of 9 bits; of 26, six times four of 256 of 16. Two engines
+    with two banks: 52 each, seven times seven."""
+    assert budget.Room.of("ulx3s").nodes(55) == 29 * 2048
+    assert budget.Room.of("icebreaker").nodes(57) == 6 * 256
+    assert budget.Room.of("ulx3s:45F", 2, 2).nodes(55) == 2 * (7 * 2048 // 2)
+    assert budget.Room.of("ulx3s:45F").title == "ulx3s 45F"
 
 
 @pytest.fixture(scope="module")
@@ -193,7 +203,7 @@ def best(source, label, board):
     trained = RandomForestClassifier(400, n_jobs=2, random_state=0).fit(x, y)
     forest = meissner.Forest(trained, integer=source == "biotacsp" or ())
     compared = budget.Compared(forest, test_x, test_y)
-    model, accuracy, same = budget.fit(budget.Reducer(forest, x), compared, budget._room(board, 1, 1)[1])
+    model, accuracy, same = budget.fit(Reducer(forest, x), compared, budget.Room.of(board))
     whole = compared.of(forest.model)[0]
     print(
         f"{source} {label}, {board}: {len(model.trees)} trees, {model.nodes} nodes, accuracy {accuracy:.4f} "

@@ -4,6 +4,7 @@ one costs, and the best that fits (docs/forest.md, "Budget")."""
 import csv
 import json
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -220,41 +221,57 @@ def smaller(reducer, compared):
     return [(what, each.nodes, *compared.of(each)) for what, each in made]
 
 
-def fit(reducer, compared, room_of):
-    """(model, accuracy, same class) of the best forest for which ``room_of`` says that it fits.
+class Room(NamedTuple):
+    """The block RAMs that a forest may have on a board, with that many engines and banks."""
+
+    title: str
+    cells: str
+    rams: int
+    engines: int
+    banks: int
+
+    @classmethod
+    def of(cls, name, engines=1, banks=1):
+        """``name``: a board, or board:device; ValueError lists them."""
+        known = {}
+        for title, board, device, count, _ in devices():
+            known[board.name] = known[f"{board.name}:{device}"] = (title, board.cells, count - RESERVE)
+        if name not in known:
+            raise ValueError(f"fit = {name} must be one of {', '.join(each.rstrip(':') for each in known)}")
+        return cls(*known[name], engines, banks)
+
+    def fits(self, model):
+        return needs(model, self.cells, self.engines, self.banks) <= self.rams
+
+    def nodes(self, bits):
+        """The most nodes of ``bits`` that alone would fit."""
+        inside = lambda count: self.engines * rams(self.banks * count, bits, self.cells) <= self.rams
+        low, high = 0, 1 << 24
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if inside(middle) else (low, middle)
+        return low * self.engines
+
+
+def fit(reducer, compared, room):
+    """(model, accuracy, same class) of the best forest that fits ``room``, None if there is none.
 
     For each number of trees the nodes that matter most are kept, as many as fit; the number whose forest
     gives most rows of ``compared`` the whole forest's class is taken, of equal ones the larger.
     """
     count, best = len(reducer.model.trees), None
+    most = room.nodes(word_bits(reducer.model))
     for part in (64, 48, 32, 24, 16, 12, 8, 4, 2, 1):
-        trees = max(count * part // 64, 1)
-        low, high = 0, int(reducer.within(len(reducer.levels), trees).sum())
-        model = reducer.build(reducer.cheapest(high, trees), trees)
-        while not room_of(model) and high - low > max(low // 256, 1):
-            middle = (low + high) // 2
-            tried = reducer.build(reducer.cheapest(middle, trees), trees)
-            low, high, model = (middle, high, model) if room_of(tried) else (low, middle, tried)
-        if not room_of(model):
-            model = reducer.build(reducer.cheapest(low, trees), trees)
-        if not room_of(model):
-            continue
-        scored = compared.of(model)
-        if best is None or scored[1] > best[2]:
-            best = (model, *scored)
+        trees, nodes = max(count * part // 64, 1), most
+        model = reducer.build(reducer.cheapest(nodes, trees), trees)
+        while not room.fits(model) and nodes > trees:
+            nodes = min(nodes - max(nodes // 64, 1), model.nodes)
+            model = reducer.build(reducer.cheapest(nodes, trees), trees)
+        if room.fits(model):
+            scored = compared.of(model)
+            if best is None or scored[1] > best[2]:
+                best = (model, *scored)
     return best
-
-
-def _room(name, engines, banks):
-    """(title, function that says whether a model fits) of ``board`` or ``board:device``."""
-    wanted, _, device = name.partition(":")
-    known = {}
-    for title, board, own, count, _ in devices():
-        known[board.name] = known[f"{board.name}:{own}"] = (title, board, count)
-    if name not in known:
-        raise ValueError(f"fit = {wanted}{':' + device if device else ''} must be one of {', '.join(known)}")
-    title, board, count = known[name]
-    return title, lambda model: needs(model, board.cells, engines, banks) <= count - RESERVE
 
 
 def command(arguments):
@@ -265,7 +282,7 @@ def command(arguments):
         raise ValueError(f"engines = {engines} must lie in 1 .. 64, banks = {banks} be 1 or 2")
     if arguments.out and not arguments.fit:
         raise ValueError("--out writes the forest that --fit finds")
-    room = _room(arguments.fit, engines, banks) if arguments.fit else None
+    room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
     names = [feature.name for feature in forest.model.features]
     x, y = read_rows(arguments.data, names) if arguments.data else (None, None)
     found = budget(forest.model, walks(forest, x), engines, banks)
@@ -278,19 +295,24 @@ def command(arguments):
             keys = ("forest", "nodes", "accuracy", "same_class")
             found["smaller"] = [dict(zip(keys, row)) for row in smaller(reducer, compared)]
     model = forest.model
-    if room is not None and not room[1](model):
+    if room is not None and not room.fits(model):
         if x is None:
             raise ValueError(
-                f"{model.nodes} nodes do not fit {room[0]}; give --data, and a smaller forest is looked for\n"
+                f"{model.nodes} nodes do not fit {room.title}; give --data to find a smaller forest\n"
                 + "\n".join(tell(found))
             )
-        chosen = fit(reducer, compared, room[1])
+        chosen = fit(reducer, compared, room)
         if chosen is None:
-            raise ValueError(f"no forest of one node a tree fits {room[0]}")
+            raise ValueError(f"no forest of one node a tree fits {room.title}")
         model, accuracy, same = chosen
         whole = compared.of(forest.model)[0]
         found["fit"] = budget(model, walks(Forest(model), x), engines, banks)
-        found["fit"] |= {"memory": room[0], "accuracy": accuracy, "whole_accuracy": whole, "same_class": same}
+        found["fit"] |= {
+            "memory": room.title,
+            "accuracy": accuracy,
+            "whole_accuracy": whole,
+            "same_class": same,
+        }
     if arguments.out:
         file.write(Path(arguments.out), model)
     if arguments.json:
@@ -315,6 +337,6 @@ def command(arguments):
             f"{own['same_class']:.2%} of the rows have the whole forest's class"
         )
     elif room is not None:
-        print(f"\nthe forest fits {room[0]} as it is")
+        print(f"\nthe forest fits {room.title} as it is")
     if arguments.out:
         print(f"the forest: {plain(arguments.out)}")
