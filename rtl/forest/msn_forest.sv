@@ -279,7 +279,8 @@ module msn_forest #(
       assign req_address_o[AddressBits*e+:AddressBits] = '0;
       assign req_tag_o[TagBits*e+:TagBits]             = '0;
       logic unused_port;
-      assign unused_port = ^{req_ready_i[e], rsp_valid_i[e], rsp_tag_i[TagBits*e+:TagBits], rsp_data_i[64*e+:64]};
+      assign unused_port = ^{req_ready_i[e], rsp_valid_i[e], rsp_tag_i[TagBits*e+:TagBits],
+                             rsp_data_i[64*e+:64]};
     end
   end
 

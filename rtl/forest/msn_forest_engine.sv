@@ -95,6 +95,7 @@ module msn_forest_engine #(
   end
 
   localparam int unsigned Depth    = (Walkers > 1) ? 2 ** TagBits : 2;
+  localparam int unsigned RootBits = msn_pkg::index_width(Trees);
   localparam int unsigned FeatureA = 54;  // where a word has its feature
 
   // The roots of the decision that begins: read ahead, one a clock.
@@ -113,7 +114,7 @@ module msn_forest_engine #(
   always_comb begin
     next_context = oldest_i;
     for (int unsigned k = Contexts - 1; k > 0; k--) begin
-      if (eligible[oldest_i+ContextBits'(k)]) next_context = oldest_i + ContextBits'(k);
+      if (eligible[ContextBits'(k)+oldest_i]) next_context = ContextBits'(k) + oldest_i;
     end
     if (eligible[oldest_i]) next_context = oldest_i;
   end
@@ -122,7 +123,7 @@ module msn_forest_engine #(
     .restart_i(start), .bank_i, .advance_i(take_root || !root_valid),
     .out_valid_o(root_valid), .out_data_o(root), .out_spoilt_o(root_spoilt), .at_end_o(unused_end),
     .write_i(load_root_i && load_address_i < Trees), .write_bank_i(!bank_i),
-    .write_word_i(msn_pkg::index_width(Trees)'(load_address_i)), .write_data_i(AddressBits'(load_data_i))
+    .write_word_i(RootBits'(load_address_i)), .write_data_i(AddressBits'(load_data_i))
   );
   always_ff @(posedge clk_i) begin
     start         <= !issuing && !start && eligible != '0 && !filling;  // registered: it would be the slowest path

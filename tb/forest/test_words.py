@@ -108,3 +108,27 @@ def test_a_walk_through_the_memory_gives_scikit_learns_votes(classes, integer):
     assert walked == forest.process(holes).votes.tolist()
     whole = [votes(words.pack(forest.model), row, classes) for row in forest.quantise(x)[0].tolist()]
     assert whole == forest.process(x).votes.tolist()
+
+
+def test_trees_are_spread_by_size_there_and_back():
+    """Trees of 4, 2 and no nodes, twice and once: the largest first, each turn in the other direction."""
+    given = model([[0, 65535]] * 3, [0, 1], [ALONE, LISTS, OTHER, LISTS, ALONE])
+    assert words.spread(given, 1) == [[0, 1, 2, 3, 4]]
+    assert words.spread(given, 2) == [[0, 1, 4], [2, 3]]  # order 1, 3 | 2, 0 | 4: engines 0, 1 | 1, 0 | 0
+    assert words.spread(given, 7) == [[1], [3], [2], [0], [4], [], []]
+
+
+def test_the_writes_that_load_a_forest():
+    """OTHER and ALONE by two engines: kind, engine, address, data; then votes by class and row."""
+    leaves = [[1, 2, 65532], [7, 65500, 28], [65535, 0, 0]]
+    node = lambda word: int(word, 16)
+    assert words.loads(model(leaves, [4, 5, 6], [ALONE, OTHER]), 2) == [
+        *((0, 0, 0, node("0x4060000000000000")), (0, 0, 1, node("0xc000000100020000"))),
+        *((1, 0, 0, 0), (3, 0, 0, 1)),
+        *((0, 1, 0, node("0xc000000000010001")), (1, 1, 0, 0), (3, 1, 0, 1)),
+        *((2, 0, 0, 1), (2, 0, 65536, 2), (2, 0, 131072, 65532)),
+        *((2, 0, 1, 7), (2, 0, 65537, 65500), (2, 0, 131073, 28)),
+        *((2, 0, 2, 65535), (2, 0, 65538, 0), (2, 0, 131074, 0)),
+    ]
+    two = words.loads(model([[0, 65535]] * 3, [0, 1], [ALONE, OTHER]), 3)
+    assert [row for row in two if row[0] == 2] == [] and two[-1] == (3, 2, 0, 0)

@@ -1,8 +1,8 @@
 """Forests on the Verilated msn_forest: engine ``rtl``'s ``forest``."""
 
 import ctypes
+from dataclasses import dataclass
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,8 @@ TRACE_ROWS = 4
 LOAD = np.dtype([("kind", "u4"), ("engine", "u4"), ("address", "u4"), ("data", "u8")], align=True)
 
 
-class Run(NamedTuple):
+@dataclass(frozen=True)
+class Run:
     """``votes`` [rows, classes] and ``index`` of each row; ``steps``: nodes compared in ``clocks`` by
     ``engines``, which took ``seconds`` to simulate."""
 
