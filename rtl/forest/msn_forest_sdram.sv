@@ -81,7 +81,8 @@ module msn_forest_sdram #(
   logic [TagBits-1:0] req_tag, rsp_tag;
   logic [63:0]        rsp_data;
   assign sdram_address = {req_address[21:20], Banks == 2 ? req_bank : req_address[19], req_address[18:0]};
-  assign load_address  = {load_address_i[21:20], Banks == 2 ? !req_bank : load_address_i[19], load_address_i[18:0]};
+  assign load_address  = {load_address_i[21:20], Banks == 2 ? !req_bank : load_address_i[19],
+                          load_address_i[18:0]};
 
   msn_forest #(
     .Features(Features), .FeatureBits(FeatureBits), .Classes(Classes), .Trees(Trees), .Nodes(2 ** 22),
@@ -90,7 +91,8 @@ module msn_forest_sdram #(
     .clk_i, .rst_i,
     .in_valid_i, .in_ready_o, .in_data_i, .in_last_i, .damaged_o,
     .out_valid_o, .out_ready_i, .out_id_o, .out_votes_o, .out_last_o, .out_class_o, .out_error_o, .step_o,
-    .load_valid_i, .load_ready_o(forest_ready), .load_kind_i, .load_engine_i(1'b0), .load_address_i, .load_data_i,
+    .load_valid_i, .load_ready_o(forest_ready), .load_kind_i, .load_engine_i(1'b0), .load_address_i,
+    .load_data_i,
     .swap_i(swap), .swapping_o(swapping),
     .req_valid_o(req_valid), .req_ready_i(req_ready), .req_bank_o(req_bank), .req_address_o(req_address),
     .req_tag_o(req_tag), .rsp_valid_i(rsp_valid), .rsp_tag_i(rsp_tag), .rsp_data_i(rsp_data)

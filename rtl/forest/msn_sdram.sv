@@ -18,7 +18,7 @@ module msn_sdram #(
   parameter int unsigned ClkKhz     = 100_000,
   parameter int unsigned PowerUpUs  = 200,  // less only in simulation
   parameter int unsigned TagBits    = 5,
-  parameter int unsigned Queue      = 32,   // reads of each bank; as many as are in flight: no bank makes another wait
+  parameter int unsigned Queue      = 32,   // of each bank; as many as are in flight: none makes others wait
   parameter int unsigned ReadClocks = 4     // from a command's edge to that of its first beat; CAS latency 3
 ) (
   input  logic               clk_i,

@@ -81,8 +81,8 @@ def test_clocks_by_hand():
 
 
 def test_room_by_hand():
-    """Of 204 block RAMs, 29 times seven of 2048 words of 9 bits; of 26, six times four of 256 of 16. Two engines
-    with two banks: 52 each, seven times seven."""
+    """Of 204 block RAMs, 29 times seven of 2048 words of 9 bits; of 26, six times four of 256 of 16. Two
+    engines with two banks: 52 each, seven times seven."""
     assert budget.Room.of("ulx3s").nodes(55) == 29 * 2048
     assert budget.Room.of("icebreaker").nodes(57) == 6 * 256
     assert budget.Room.of("ulx3s:45F", 2, 2).nodes(55) == 2 * (7 * 2048 // 2)
