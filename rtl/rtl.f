@@ -68,6 +68,8 @@ rtl/forest/msn_forest_memory.sv
 rtl/forest/msn_forest_votes.sv
 rtl/forest/msn_forest_engine.sv
 rtl/forest/msn_forest.sv
+rtl/forest/msn_sdram.sv
+rtl/forest/msn_forest_sdram.sv
 rtl/actuate/msn_grip.sv
 rtl/actuate/msn_pwm.sv
 rtl/actuate/msn_finger_health.sv

@@ -21,8 +21,8 @@ LAYERS = [
         "builds.toolchain",
     ),
     *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
-    *("forest", "sense", "builds", "engines", "forest.forest", "forest.command", "rope", "report", "scenes"),
-    "run",
+    *("forest", "sense", "builds", "engines", "forest.forest", "forest.reduce", "forest.command"),
+    *("rope", "report", "scenes", "run"),
     *("host", "budget", "tradeoff", "process", "parser", "cli"),
 ]
 

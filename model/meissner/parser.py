@@ -365,6 +365,24 @@ def _forest(commands):
     _out(parser, "F.json", "also write the forest to this file")
     parser.set_defaults(call="meissner.scenes.rope.command:command")
 
+    parser = commands.add_parser(
+        "forest-budget",
+        help="block RAMs and clocks of a forest on each board, what a smaller one costs, the best that fits",
+    )
+    parser.add_argument("forest", metavar="F.json", help="a forest (docs/forest.md)")
+    parser.add_argument(
+        "--data", metavar="FILE", help="labelled rows, .npz or .csv: walks, accuracy, smaller forests"
+    )
+    parser.add_argument(
+        "--training", metavar="FILE", help="rows that say which nodes matter (every second one of --data)"
+    )
+    parser.add_argument("--fit", metavar="BOARD", help="find the best that fits: icebreaker, ulx3s:25F, ...")
+    parser.add_argument("--engines", type=int, default=1, metavar="N", help="1 to 64, with a memory each (1)")
+    parser.add_argument("--banks", type=int, default=1, metavar="N", help="2: reloadable while it runs (1)")
+    parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead")
+    _out(parser, "F.json", "write the forest that --fit finds")
+    parser.set_defaults(call="meissner.budget.forest:command")
+
 
 def _config(commands):
     """``meissner config list | check FILE | show FILE``."""

@@ -183,6 +183,7 @@ TABLE = {
     "packet_slip": ("msn_packet_slip", {"P2pBits": 14}, None, "ecp5 up5k"),
     "cobs-18": ("msn_cobs", {"MaxBytes": 18}, None, "ecp5 up5k"),
     "cobs": ("msn_cobs", {}, None, "ecp5 up5k"),
+    "sdram": ("msn_sdram", {}, 16, "ecp5"),
     "uart_tx-1M": ("msn_uart_tx", {}, None, "ecp5 up5k"),
     "uart_tx-3M": ("msn_uart_tx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
     "uart_rx-3M": ("msn_uart_rx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),

@@ -40,6 +40,8 @@ class Board:
         Every other named configuration, with the reason as part of a sentence.
     devices : dict
         {name: option of place and route} as sold, smallest first; empty if there is only one.
+    rams : dict
+        {device: its block RAMs}; the name of an only device is "".
     """
 
     name: str
@@ -54,6 +56,7 @@ class Board:
     configs: dict[str, dict[str, Any]]
     left_out: dict[str, str] = field(default_factory=dict)
     devices: dict[str, str] = field(default_factory=dict)
+    rams: dict[str, int] = field(default_factory=dict)
 
     @property
     def top(self) -> str:
@@ -183,6 +186,7 @@ BOARDS = {
             pack="yowasp-icepack {stem}.asc {stem}.bin",
             bitstream=".bin",
             area=ICE40_AREA,
+            rams={"": 30},
             # With registers the fingertip needs 7,456 logic cells; a UP5K has 5,280.
             configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
             left_out={"cop4": COP4_ICE, "grip": GRIP_ICE} | _too_few(24),
@@ -200,6 +204,7 @@ BOARDS = {
             area=ECP5_AREA,
             # These tools treat a 12F as a 25F with another name: what fits one fits the other.
             devices={"12F": "--12k", "25F": "--25k", "45F": "--45k", "85F": "--85k"},
+            rams={"12F": 56, "25F": 56, "45F": 108, "85F": 208},
             # At two bits per clock, slip1 needs no faster clock.
             configs={
                 "slip1": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
@@ -220,6 +225,7 @@ BOARDS = {
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
+            rams={"": 56},
             configs={name: {"mhz": 48.0} for name in ("slip1", "fingertip", "cop4", "grip")},
             left_out=_too_few(18),
         ),
@@ -234,6 +240,7 @@ BOARDS = {
             pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
             bitstream=".fs",
             area=GOWIN_AREA,
+            rams={"": 46},
             configs={name: {"mhz": 27.0} for name in ("slip1", "fingertip", "grip")},
             left_out={"cop4": "not measured; the board has the pins for it"} | _too_few(16),
         ),

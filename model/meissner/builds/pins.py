@@ -24,7 +24,8 @@ PULLS = (None, "up", "down", "none")
 class Description:
     """A board's pins. ``leds``: {port: {"pin": its pin, "shows": an expression of the top's signals}};
     ``headers``: {label: pin}, in the order of assignment; ``prefer``: {role: labels}; ``onboard``: lines of
-    its own converter; ``pulls``: {role: pull}; ``inverted``: inputs that idle high on this board.
+    its own converter; ``sdram``: {line of rtl/forest/msn_sdram.sv: pin, or pins from bit 0 on};
+    ``pulls``: {role: pull}; ``inverted``: inputs that idle high on this board.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Description:
     prefer: dict[str, list[str]]
     pulls: dict[str, str]
     onboard: dict[str, Any] = field(default_factory=dict)
+    sdram: dict[str, Any] = field(default_factory=dict)
     inverted: tuple[str, ...] = ()
 
 
@@ -49,6 +51,8 @@ def description(name: str) -> Description:
     }
     own = [found["clock"]["pin"], *found["serial"].values(), *(led["pin"] for led in found["leds"].values())]
     own += [pin for pin in found.get("onboard", {}).values() if isinstance(pin, str)]
+    for lines in found.get("sdram", {}).values():
+        own += [lines] if isinstance(lines, str) else lines
     given = [*own, *headers.values()]
     if len(set(given)) < len(given):
         twice = next(pin for pin in given if given.count(pin) > 1)

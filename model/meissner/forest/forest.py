@@ -169,7 +169,7 @@ class Forest:
         votes = np.empty((len(q), trees.shape[1]), np.int64)
         for start in range(0, len(q), count):
             rows = slice(start, start + count)
-            leaf = self._leaves(q[rows], None if missing is None else missing[rows])
+            leaf = self._walk(q[rows], None if missing is None else missing[rows])[0]
             for index in range(trees.shape[1]):
                 votes[rows, index] = trees[:, index].astype(np.int64)[leaf].sum(1)
         return ForestResult(votes.argmax(1), votes)
@@ -178,20 +178,31 @@ class Forest:
         """The same as ``next``."""
         return self.next(x)
 
-    def _leaves(self, q, missing):
-        """The leaf of each row in each tree [rows, trees]."""
+    def steps(self, x: ArrayLike) -> NDArray[np.int64]:
+        """Nodes that are compared for each row in each tree [rows, trees], with the errors of
+        ``quantise``."""
+        q, missing = self.quantise(x)
+        return self._walk(q, missing)[1]
+
+    def _walk(self, q, missing, paths=None):
+        """The leaf of each row in each tree [rows, trees], and the nodes compared; ``paths`` gets (row and
+        tree, node) of each step."""
         trees = len(self._roots)
         at = np.tile(self._roots, len(q))
+        steps = np.zeros(len(at), np.int64)
         going = np.flatnonzero(at >= 0)
         while going.size:
             node, row = at[going], going // trees
+            steps[going] += 1
+            if paths is not None:
+                paths.append((going, node))
             feature = self._feature[node]
             left = q[row, feature] <= self._threshold[node]
             if missing is not None:
                 left = np.where(missing[row, feature], self._missing_left[node], left)
             at[going] = after = self._children[node, left.astype(np.int64)]
             going = going[after >= 0]
-        return (-1 - at).reshape(len(q), trees)
+        return (-1 - at).reshape(len(q), trees), steps.reshape(len(q), trees)
 
     def predict_proba(self, x: ArrayLike) -> NDArray[np.float64]:
         """Probabilities [rows, classes], within 7.7e-6 of scikit-learn's."""

@@ -1,0 +1,342 @@
+"""``meissner forest-budget``: what a forest needs of each board, how long a decision takes, what a smaller
+one costs, and the best that fits (docs/forest.md, "Budget")."""
+
+import csv
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from meissner import files
+from meissner.builds.boards import BOARDS
+from meissner.forest import file, words
+from meissner.forest.forest import Forest
+from meissner.forest.place import lengths, place
+from meissner.forest.reduce import Reducer
+from meissner.terminal import plain
+from meissner.twins.forest.sdram import BANK_WORDS, BANKS
+
+NODE_BITS = 64
+LANES = 4  # of classes that an engine adds in a clock
+SHARE = 0.95  # of the clocks in which an engine of block RAM compares a node
+SDRAM_CLOCKS = 4.2  # a node (tb/forest/test_forest_sdram.py)
+WALK_CLOCKS = 28  # from a node to its child, through the SDRAM
+SDRAM = "ulx3s"
+RESERVE = 4  # block RAMs for what else a core has
+
+
+def rams(count, bits, cells):
+    """Block RAMs for ``count`` words of ``bits``, in the shape that takes the fewest."""
+    size, widest = {"ice40": (4096, 16), "ecp5": (16384, 32), "gowin": (16384, 32)}[cells]
+    extra = 9 / 8 if widest == 32 else 1  # bits of parity, which hold data too
+    shapes = [(size // width, int(width * (extra if width >= 8 else 1))) for width in (1, 2, 4, 8, 16, 32)]
+    return min(-(-count // deep) * -(-bits // wide) for deep, wide in shapes if wide <= widest * extra)
+
+
+def word_bits(model):
+    """Bits of a node in block RAM (rtl/forest/msn_forest_memory.sv): kind, feature, threshold, low half."""
+    most = max((int(np.abs(tree.threshold).max(initial=0)) for tree in model.trees), default=0)
+    threshold = min((most + 1).bit_length() + 1, words.THRESHOLD_BITS)
+    return 2 + max((len(model.features) - 1).bit_length(), 1) + threshold + 32
+
+
+def sizes(model, engines):
+    """(words, trees) of each engine."""
+    own = [max(len(tree.feature), 1) for tree in model.trees]
+    return [(sum(own[tree] for tree in trees), len(trees)) for trees in words.spread(model, engines)]
+
+
+def needs(model, cells, engines, banks):
+    """Block RAMs of a forest's nodes, roots and leaves: as many for each engine as for the fullest."""
+    nodes, trees = (max(each) for each in zip(*sizes(model, engines)))
+    each = rams(banks * nodes, word_bits(model), cells)
+    each += rams(banks * trees, max((nodes - 1).bit_length(), 1), cells)
+    if len(model.classes) != 2:
+        lanes, turns = min(len(model.classes), LANES), -(-len(model.classes) // LANES)
+        each += lanes * rams(banks * turns * len(model.leaves), 16, cells)
+    return engines * each
+
+
+def walks(forest, x=None):
+    """Nodes that are read for the mean and for the worst decision, [rows, trees] each: of the rows ``x``,
+    else of walks that go left as often as right, and of the longest path of every tree."""
+    if x is not None:
+        steps = np.maximum(forest.steps(x), 1)
+        return steps, steps
+    return lengths(forest.model)[None], np.array([[max(depths(tree), 1) for tree in forest.model.trees]])
+
+
+def depths(tree):
+    """Nodes of the longest path of a tree."""
+    below = np.ones(len(tree.feature), np.int64)
+    for node in reversed(range(len(below))):
+        for child in (tree.left[node], tree.right[node]):
+            if child >= 0:
+                below[node] = max(below[node], 1 + below[child])
+    return int(below[0]) if len(below) else 0
+
+
+def clocks(model, walked, engines):
+    """{"block RAM", "SDRAM"}: (mean, worst) clocks of a decision; ``walked``: as ``walks`` gives them."""
+    found = [_clocks(model, steps, engines) for steps in walked]
+    return {name: (round(found[0][name].mean()), round(found[1][name].max())) for name in found[0]}
+
+
+def _clocks(model, steps, engines):
+    busiest = np.max([steps[:, own].sum(1) for own in words.spread(model, engines)], axis=0)
+    ends = len(model.features) + len(model.classes) * (engines + 4)
+    outside = np.maximum(steps.sum(1) * SDRAM_CLOCKS, WALK_CLOCKS * steps.max(1)) + ends
+    return {"block RAM": busiest / SHARE + ends, "SDRAM": outside}
+
+
+def devices():
+    """(name, board, device, block RAMs, MHz) of every board with a bitstream."""
+    for board in BOARDS.values():
+        mhz = max(changes.get("mhz", 12.0) for changes in board.configs.values())
+        for device, count in board.rams.items():
+            yield f"{board.name} {device}".strip(), board, device, count, mhz
+
+
+def budget(model, walked, engines=1, banks=1):
+    """What the forest needs, on every board and in the SDRAM."""
+    spent = clocks(model, walked, engines)
+    size = sum(max(len(tree.feature), 1) for tree in model.trees)
+    found = {
+        "trees": len(model.trees),
+        "nodes": model.nodes,
+        "bits": NODE_BITS * size,
+        "classes": len(model.classes),
+        "features": len(model.features),
+        "leaves": len(model.leaves),
+        "nodes_a_decision": [float(walked[0].sum(1).mean()), int(walked[1].sum(1).max())],
+        "memories": [],
+    }
+    inside = len(words.without_missing(model)[0].features) <= words.FEATURES
+    for name, board, _, count, mhz in devices():
+        need = needs(model, board.cells, engines, banks)
+        found["memories"].append(_memory(name, need, count - RESERVE, spent["block RAM"], mhz, inside))
+    fits = _placed(model)
+    row = _memory(f"{SDRAM} SDRAM", 0, 0, spent["SDRAM"], 100.0, inside and fits)
+    found["memories"].append(row | {"words": size, "room": BANKS * BANK_WORDS})
+    return found
+
+
+def _placed(model):
+    try:
+        place(model)
+    except ValueError:
+        return False
+    return True
+
+
+def _memory(name, need, room, spent, mhz, known):
+    row = {"memory": name, "block_rams": need, "room": room, "fits": bool(known and need <= room)}
+    return row | {"clocks": list(spent), "mhz": mhz, "us": [each / mhz for each in spent]}
+
+
+def tell(found):
+    mean, worst = found["nodes_a_decision"]
+    text = [
+        f"{found['trees']} trees, {found['nodes']} nodes, {found['bits'] / 1e6:.2f} Mbit, "
+        f"{found['classes']} classes, {found['features']} features",
+        f"nodes of a decision: mean {mean:.0f}, worst {worst}",
+        "",
+    ]
+    rows = [("memory", "block RAMs", "clocks, mean", "worst", "MHz", "us, mean", "worst", "")]
+    for each in found["memories"]:
+        need = f"{each['block_rams']} of {each['room']}" if "words" not in each else f"{each['words']} words"
+        numbers = (*map(str, each["clocks"]), f"{each['mhz']:g}", *(f"{us:.1f}" for us in each["us"]))
+        rows.append((each["memory"], need, *numbers, "fits" if each["fits"] else "too large"))
+    return [*text, *table(rows)]
+
+
+def table(rows):
+    """Lines of columns, numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    first = lambda row: row[0].ljust(widths[0])
+    rest = lambda row: (cell.rjust(width) for cell, width in zip(row[1:], widths[1:]))
+    return ["  ".join([first(row), *rest(row)]).rstrip() for row in rows]
+
+
+def read_rows(path, names):
+    """(x, y) of labelled rows: x and y of a .npz file, or a .csv file whose header names every feature and
+    whose last column is the label."""
+    path = files.check_in(path)
+    if path.suffix.lower() == ".npz":
+        given = files.read_arrays(path)
+        for name in ("x", "y"):
+            if name not in given:
+                raise ValueError(f"{path} has no array {name}; it must have x [rows, features] and y [rows]")
+        x, y = given["x"], given["y"]
+    elif path.suffix.lower() == ".csv":
+        with path.open(newline="", encoding="utf-8") as text:
+            lines = list(csv.reader(text))
+        if not lines or lines[0][:-1] != names:
+            raise ValueError(
+                f"{path}: its header must be {', '.join(names[:8])}{' ...' * (len(names) > 8)}, label"
+            )
+        for number, line in enumerate(lines[1:], start=2):
+            if len(line) != len(names) + 1:
+                raise ValueError(f"{path}, line {number}: {len(line)} values are not {len(names) + 1}")
+        try:
+            x = np.array([line[:-1] for line in lines[1:]], np.float64).reshape(-1, len(names))
+        except ValueError as problem:
+            raise ValueError(f"{path}: {problem}") from None
+        y = np.array([line[-1] for line in lines[1:]])
+    else:
+        raise ValueError(f"{path} must be a .npz or a .csv file")
+    if x.ndim != 2 or len(x) != len(y) or not len(x):
+        raise ValueError(f"{path}: {x.shape} features do not fit {y.shape} labels")
+    return x, y
+
+
+class Compared:
+    """Labelled rows, and the classes that the whole forest gives them."""
+
+    def __init__(self, forest, x, y):
+        labels = {str(label): index for index, label in enumerate(forest.classes_.tolist())}
+        self.truth = np.array([labels.get(str(each), -1) for each in y.tolist()])
+        if (self.truth < 0).all():
+            raise ValueError(f"no label of the data is one of the forest's classes: {plain(str(y[0]))}")
+        self.x, self.whole = x, forest.process(x).index
+
+    def of(self, model):
+        """(accuracy, share of the rows that have the whole forest's class)."""
+        found = Forest(model).process(self.x).index
+        return float(np.mean(found == self.truth)), float(np.mean(found == self.whole))
+
+
+def smaller(reducer, compared):
+    """[(what, nodes, accuracy, same class)] of forests with fewer trees, less depth and fewer leaf bits."""
+    model, everything = reducer.model, np.ones(len(reducer.tree), bool)
+    count, depth = len(model.trees), len(reducer.levels)
+    made = [("as it is", model)]
+    for trees in dict.fromkeys(max(count * part // 8, 1) for part in (4, 2, 1)):
+        made.append((f"first {trees} trees", reducer.build(reducer.within(depth, trees), trees)))
+    for most in dict.fromkeys(max(depth * part // 8, 1) for part in (6, 4, 3, 2)):
+        made.append((f"depth {most}", reducer.build(reducer.within(most))))
+    for bits in (8, 4, 1):
+        made.append((f"leaves of {bits} bit{'s' * (bits > 1)}", reducer.build(everything, bits=bits)))
+    return [(what, each.nodes, *compared.of(each)) for what, each in made]
+
+
+class Room(NamedTuple):
+    """The block RAMs that a forest may have on a board, with that many engines and banks."""
+
+    title: str
+    cells: str
+    rams: int
+    engines: int
+    banks: int
+
+    @classmethod
+    def of(cls, name, engines=1, banks=1):
+        """``name``: a board, or board:device; ValueError lists them."""
+        known = {}
+        for title, board, device, count, _ in devices():
+            known[board.name] = known[f"{board.name}:{device}"] = (title, board.cells, count - RESERVE)
+        if name not in known:
+            raise ValueError(f"fit = {name} must be one of {', '.join(each.rstrip(':') for each in known)}")
+        return cls(*known[name], engines, banks)
+
+    def fits(self, model):
+        return needs(model, self.cells, self.engines, self.banks) <= self.rams
+
+    def nodes(self, bits):
+        """The most nodes of ``bits`` that alone would fit."""
+        inside = lambda count: self.engines * rams(self.banks * count, bits, self.cells) <= self.rams
+        low, high = 0, 1 << 24
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if inside(middle) else (low, middle)
+        return low * self.engines
+
+
+def fit(reducer, compared, room):
+    """(model, accuracy, same class) of the best forest that fits ``room``, None if there is none.
+
+    For each number of trees the nodes that matter most are kept, as many as fit; the number whose forest
+    gives most rows of ``compared`` the whole forest's class is taken, of equal ones the larger.
+    """
+    count, best = len(reducer.model.trees), None
+    most = room.nodes(word_bits(reducer.model))
+    for part in (64, 48, 32, 24, 16, 12, 8, 4, 2, 1):
+        trees, nodes = max(count * part // 64, 1), most
+        model = reducer.build(reducer.cheapest(nodes, trees), trees)
+        while not room.fits(model) and nodes > trees:
+            nodes = min(nodes - max(nodes // 64, 1), model.nodes)
+            model = reducer.build(reducer.cheapest(nodes, trees), trees)
+        if room.fits(model):
+            scored = compared.of(model)
+            if best is None or scored[1] > best[2]:
+                best = (model, *scored)
+    return best
+
+
+def command(arguments):
+    """``meissner forest-budget``."""
+    forest = Forest.from_file(arguments.forest)
+    engines, banks = arguments.engines, arguments.banks
+    if not 1 <= engines <= 64 or banks not in (1, 2):
+        raise ValueError(f"engines = {engines} must lie in 1 .. 64, banks = {banks} be 1 or 2")
+    if arguments.out and not arguments.fit:
+        raise ValueError("--out writes the forest that --fit finds")
+    room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
+    names = [feature.name for feature in forest.model.features]
+    x, y = read_rows(arguments.data, names) if arguments.data else (None, None)
+    found = budget(forest.model, walks(forest, x), engines, banks)
+    if x is not None:
+        compared = Compared(forest, x, y)
+        trained = read_rows(arguments.training, names)[0] if arguments.training else x[::2]
+        reducer = Reducer(forest, trained)
+        found["distinct_subtrees"] = reducer.distinct()
+        if not arguments.fit:
+            keys = ("forest", "nodes", "accuracy", "same_class")
+            found["smaller"] = [dict(zip(keys, row)) for row in smaller(reducer, compared)]
+    model = forest.model
+    if room is not None and not room.fits(model):
+        if x is None:
+            raise ValueError(
+                f"{model.nodes} nodes do not fit {room.title}; give --data to find a smaller forest\n"
+                + "\n".join(tell(found))
+            )
+        chosen = fit(reducer, compared, room)
+        if chosen is None:
+            raise ValueError(f"no forest of one node a tree fits {room.title}")
+        model, accuracy, same = chosen
+        whole = compared.of(forest.model)[0]
+        found["fit"] = budget(model, walks(Forest(model), x), engines, banks)
+        found["fit"] |= {
+            "memory": room.title,
+            "accuracy": accuracy,
+            "whole_accuracy": whole,
+            "same_class": same,
+        }
+    if arguments.out:
+        file.write(Path(arguments.out), model)
+    if arguments.json:
+        print(json.dumps(found, indent=2))
+        return
+    print(*tell(found), sep="\n")
+    if "distinct_subtrees" in found:
+        print(f"\nequal subtrees merged: {found['distinct_subtrees']} nodes (the engines do not merge them)")
+    if "smaller" in found:
+        rows = [("forest", "nodes", "accuracy", "same class")]
+        rows += [
+            (each["forest"], str(each["nodes"]), f"{each['accuracy']:.2%}", f"{each['same_class']:.2%}")
+            for each in found["smaller"]
+        ]
+        print("", *table(rows), sep="\n")
+    if "fit" in found:
+        own = found["fit"]
+        print(f"\nthe best of these kinds that fits {own['memory']}:")
+        print(*tell(own), sep="\n")
+        print(
+            f"accuracy {own['accuracy']:.2%}, of the whole forest {own['whole_accuracy']:.2%}; "
+            f"{own['same_class']:.2%} of the rows have the whole forest's class"
+        )
+    elif room is not None:
+        print(f"\nthe forest fits {room.title} as it is")
+    if arguments.out:
+        print(f"the forest: {plain(arguments.out)}")
