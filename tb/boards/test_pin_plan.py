@@ -162,6 +162,27 @@ def test_any_number_of_converters_is_wired(converters):
         for port, what in found.items()
     )
     assert len({row["pin"] for row in plan.rows()}) == len(plan.rows())
+    # Neighbouring columns are on different converters; the last of a group's 8 inputs may have none.
+    places = {
+        k: list(range(k, 8 * converters * (3 if converters == 3 else 2), converters))
+        for k in range(converters)
+    }
+    for line, k in zip(text[-converters:], range(converters), strict=True):
+        name, told = line.split(": columns ")
+        assert name == f"converter {k}, inputs 0 to 7" and [len(g.split()) for g in told.split(" | ")] == [
+            8
+        ] * 2 + [8] * (converters == 3)
+        assert told.replace(" | ", " ").split() == [str(n) if n < 64 else "-" for n in places[k]]
+
+
+def test_the_columns_of_seven_converters_are_those_of_the_page():
+    """docs/scan.md: 64 columns, five inputs each: l, l + 7 .. l + 28, then l + 35 .. l + 63."""
+    adc = {"Adc": 2, "AdcChannels": 5, "Converters": 7, "Array": 1, "Rows": 64, "Columns": 64}
+    plan = pins.assign(pins.description("ulx3s"), "x", adc | {"ClkKhz": 100_000})
+    assert plan.text().splitlines()[-7::6] == [
+        "converter 0, inputs 0 to 4: columns 0 7 14 21 28 | 35 42 49 56 63",
+        "converter 6, inputs 0 to 4: columns 6 13 20 27 34 | 41 48 55 62 -",
+    ]
 
 
 @pytest.mark.parametrize("lanes", [1, 8])

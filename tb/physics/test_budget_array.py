@@ -156,8 +156,8 @@ def test_a_carrier_takes_its_samples():
 
 
 # 3 kohm with 15 pF behind 300 ohm for 120 ns keep k = exp(-120/49.5) = 0.088546 at each sample; the pin is
-# off by p = exp(-1000/150) = 0.0012726 after 1 us and by nothing 5 us later: k^(skip+1) + k^skip p. Half a code
-# is 1.2207e-4.
+# off by p = exp(-1000/150) = 0.0012726 after 1 us and by nothing 5 us later: k^(skip+1) + k^skip p. Half a
+# code is 1.2207e-4.
 @pytest.mark.parametrize("skip, left", [(0, 8.9819e-2), (2, 7.0420e-4), (3, 6.2355e-5), (4, 5.5213e-6)])
 def test_what_remains_of_a_row_behind_skipped_samples(skip, left):
     carrier = {"sample_period": 500, "periods": 4, "skip": skip}
