@@ -3,6 +3,7 @@ absent."""
 
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -292,10 +293,13 @@ def test_run_finds_the_slip_on_the_core(tmp_path):
     assert 0 <= summary["delay_s"] < summary["gross_s"] - summary["onset_s"]
 
 
-def own_scene(folder):
-    """A user's scene in ``folder``: one press, one seed, and a title that is no formula."""
+def own_scene(folder, phase_s=None):
+    """A user's scene in ``folder``: one press, one seed, and a title that is no formula; its phases as
+    published, or of ``phase_s``."""
     text = scenes.source("normal_force").replace("seeds = 100", "seeds = 1")
     text = text.replace('title = "', "title = 'mine: $5^{ ").replace('slip"\n', "slip'\n", 1)
+    if phase_s:
+        text = re.sub(r"^((press|rest|unload|after)_s) = .*", rf"\1 = {phase_s}", text, flags=re.M)
     (folder / "mine.toml").write_text(text, "utf-8")
 
 
@@ -319,12 +323,13 @@ def test_a_scene_of_ones_own_runs_by_its_file(tmp_path):
 
 
 def test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error(tmp_path, monkeypatch, capsys):
-    """With every option; then with one state of the twin changed, whether or not JSON is asked for."""
-    own_scene(tmp_path)
+    """With every option; then with one state of the twin changed, whether or not JSON is asked for. The
+    scene is brief: waves show every clock."""
+    own_scene(tmp_path, 0.2)
     monkeypatch.chdir(tmp_path)
     arguments = ["run", "mine.toml", "--engine", "rtl", "--seed", "7"]
-    arguments += ["--out", "here", "--overwrite", "--waves"]
-    cli.main([*arguments, "--json"])
+    arguments += ["--out", "here", "--overwrite"]
+    cli.main([*arguments, "--waves", "--json"])
     found = json.loads(capsys.readouterr().out)
     assert (found["scene"], found["seeds"], found["twin_mismatches"]) == ("mine", [7, 7], 0)
     assert "waves.vcd" in found["files"] and (tmp_path / "here/waves.vcd").stat().st_size > 1000

@@ -414,7 +414,7 @@ def contacts(rng, size, frames, noise):
         frames -= count
 
 
-@pytest.mark.parametrize("noise, frames", [(2.0, 100_000), (0.0, 20_000)])
+@pytest.mark.parametrize("noise, frames", [(2.0, 50_000), (0.0, 20_000)])
 def test_no_false_report_in_healthy_frames(noise, frames):
     """With noise of 2 codes rms; and with a noise-free converter, whose unpressed taxels never move."""
     twin = Health(12, 12)

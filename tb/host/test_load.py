@@ -96,7 +96,7 @@ class Tables(SimulatedCore):
     def __init__(self, size=(3, 5), **more):
         self.half, self.used, self.swaps, self.after = {}, None, 0, None
         super().__init__(
-            together(statistics_source), ["calibrate", "cop", "link"], size=size, speed=1e3, **more
+            together(statistics_source), ["calibrate", "cop", "link"], size=size, speed=50, **more
         )
 
     def write(self, data):
