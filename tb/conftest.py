@@ -15,6 +15,7 @@ from harness import applicable, drawing, shared_builds
 
 BIG = [
     "tb/boards/test_rows.py::test_rows[16-3]",
+    "tb/boards/test_two_converters.py::test_two_converters[two]",
     "tb/common/test_delay.py::test_delay[2]",
     "tb/common/test_delay.py::test_delay[4]",
     "tb/common/test_delay.py::test_delay[7]",
@@ -42,6 +43,7 @@ BIG = [
     "tb/nightly/test_cover.py::test_a_small_block_has_no_hole",
     "tb/engines/test_core_engine.py::test_every_packet_is_the_models[full]",
     "tb/engines/test_core_engine.py::test_every_taxel_that_slips_is_reported[full]",
+    "tb/engines/test_core_engine.py::test_every_taxel_that_slips_is_reported[array64]",
     "tb/engines/test_engines.py::test_any_number_of_channels[5]",
     "tb/engines/test_engines.py::test_any_number_of_channels[6]",
     "tb/engines/test_engines.py::test_any_number_of_channels[7]",
@@ -63,6 +65,8 @@ BIG = [
     "tb/frontend/test_scan.py::test_scan[8-8-1-8-20-6]",
     "tb/frontend/test_scan_adc.py::test_scan_adc[16-16-2-8-25000]",
     "tb/frontend/test_scan_adc.py::test_scan_adc[3-32-2-8-2-20000]",
+    "tb/frontend/test_scan_adc.py::test_scan_adc[4-15-7-4-2-41000]",
+    "tb/frontend/test_scan_adc.py::test_scan_adc[4-16-2-20000-32-1]",
     "tb/frontend/test_scan_adc.py::test_scan_adc[8-8-3-8-25000]",
     "tb/frontend/test_scan_demod.py::test_scan_demod[Rows2-Columns3-Converters2-Skip0]",
     "tb/frontend/test_scan_demod.py::test_scan_demod[Rows2-Columns3]",

@@ -106,6 +106,10 @@ module msn_adc_spi #(
   if (ClkKhz < 1 || ClkKhz > 400_000) begin : gen_check_clk
     $fatal(1, "msn_adc_spi: ClkKhz = %0d must lie in 1 .. 400000", ClkKhz);
   end
+  // By the time that an answer is through the synchroniser, a shorter watchdog has ended.
+  if (HasBusy && ClkKhz * msn_adc_pkg::conversion_max_ns(Part) <= 2_000_000) begin : gen_check_busy
+    $fatal(1, "msn_adc_spi: ClkKhz = %0d must be more than 2 clocks in a conversion", ClkKhz);
+  end
   if (SclkKhz < 1 || SclkKhz > msn_adc_pkg::sclk_max_khz(Part)) begin : gen_check_sclk
     $fatal(1, "msn_adc_spi: SclkKhz = %0d must lie in 1 .. %0d", SclkKhz, msn_adc_pkg::sclk_max_khz(Part));
   end

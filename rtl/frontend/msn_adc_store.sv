@@ -55,13 +55,14 @@ module msn_adc_store #(
   assign leaves   = out_valid_o && out_ready_i;
   assign complete = in_valid_i && in_word_i == IdBits'(Channels - 1) && !in_bad_i;
 
-  // Kept as a net: without it ABC shares logic between the channels, which puts another LUT between out_ready_i,
-  // which waits for all converters of a scan, and full_q.
-  (* keep *) logic [Channels-1:0] offered;
   for (genvar c = 0; c < Channels; c++) begin : gen_channel
     localparam int unsigned Lane = (Lanes > 1) ? c / LaneChannels : 0;
-    assign offered[c] = out_id_o == IdBits'(c);
-    assign taken[c]   = leaves && offered[c];
+    // Kept as a net: without it ABC shares logic between the channels, which puts another LUT between out_ready_i,
+    // which waits for all converters of a scan, and full_q. One net a channel: Yosys drives a kept vector of which a
+    // bit is a register's output, as with two channels, a second time, by x.
+    (* keep *) logic offered;
+    assign offered    = out_id_o == IdBits'(c);
+    assign taken[c]   = leaves && offered;
     assign written[c] = in_valid_i && in_word_i == IdBits'(c - Lane * LaneChannels);
     assign filled[c]  = Whole ? complete : written[c];
     always_ff @(posedge clk_i) if (written[c]) code_q[c] <= in_data_i[Lane*DataBits +: DataBits];

@@ -7,7 +7,7 @@
 //
 // The path of ready back through packet, slip, array and scan is long. For an array, skids cut it on both sides of
 // the slip path. Latency: that of msn_slip_path, and a clock for each skid that holds a word.
-// Model: model/meissner/twins/slip/slip_changes.py
+// Model: model/meissner/twins/slip/slip_chain.py
 
 module msn_slip_chain #(
   parameter  bit          Slip       = 1'b1,

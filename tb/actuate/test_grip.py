@@ -5,6 +5,7 @@ watchdog, the effect of a reset. The model against the same loop, and the limits
 
 import random
 from dataclasses import replace
+from itertools import permutations
 
 import cocotb
 import pytest
@@ -315,6 +316,22 @@ async def windows_over_that_follow_each_other_double_the_step(dut):
         await cycles(dut, 1, over=[0])
         found, _ = await cycles(dut, 2, over=[last])
         assert found == [4, 1]
+
+
+@bench.applies(lambda dut: sizes(dut)[0] > 1)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_row_is_the_same_whatever_row_another_finger_has(dut):
+    """Two fingers take turns; the one that is not heard keeps its row."""
+    fingers, bits, _ = sizes(dut)
+    top = (1 << bits) - 1
+    for pair in permutations(range(fingers), 2):
+        await armed(dut, step=1, decay=0, maximum=top, rate=top, boost=7, watchdog=7)
+        found = []
+        for turn, count in enumerate((3, 3, 1, 1, 1, 1)):
+            heard, other = pair[turn % 2], pair[1 - turn % 2]
+            found += (await cycles(dut, count, over=[heard], silent=[other]))[0]
+        found += (await cycles(dut, 1))[0]
+        assert found == [0, 1, 2, 4, 1, 2, 4, 8, 8, 16, 16], pair
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -632,6 +649,25 @@ def test_model_doubles_by_hand():
     assert grip.next([0, 1]).command == 148 and grip.next([0, 1]).command == 154
     assert grip.next([1, 0]).command == 157 and grip.next([1, 0], seen=[2, 1]).command == 163
     assert grip.next([1, 0]).command == 166
+
+
+def test_model_rests_by_hand():
+    """A decay of 70, of which the rate allows 50, down to the minimum; what was heard and counted before
+    is over with windows that ended, and another mode begins from nothing."""
+    config = GripConfig(step=5, decay=70, minimum=1000, maximum=1210, rate=50, watchdog=2, boost=1)
+    grip = Grip(config, start=1200)
+    assert grip.next([1, 0], seen=[1, 0]).command == 1205  # the second finger is silent after one more
+    increments = grip.rest(6)
+    assert increments == [-50, -50, -50, -50, -5, 0] and grip.command == 1205
+    taken = grip.take(increments, ended=True)
+    assert taken == [(step, 1205 + sum(increments[: n + 1]), 0, 0) for n, step in enumerate(increments)]
+    again = grip.next([1, 0], seen=[1, 0])
+    assert (again.command, again.fault) == (1005, 0)  # its first silent cycle, and no doubled step
+    assert grip.take([3], ended=False) == [(3, 1008, 0, 0)] and grip.next([1, 0]).command == 1018
+    grip.config = replace(config, maximum=1018)  # the same mode: all goes on
+    assert grip.take([0], ended=True) == [(0, 1018, 4, 0)]
+    grip.config = replace(config, mode="force")
+    assert grip.next([1, 1]) == Command(0, 0, 16, False, 0, (False, False))
 
 
 def test_model_refuses_what_cannot_work():

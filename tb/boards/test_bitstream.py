@@ -113,6 +113,39 @@ def test_a_tool_that_does_not_end_is_stopped(tmp_path, monkeypatch):
         yowasp.tool("python", ["-c", "while True: pass"], "build/tb/endless/log", 1)
 
 
+STORES = """
+module stores (input logic clk, rst, begun, go, input logic [7:0] valid, input logic [2:0] word,
+               input logic [11:0] code, output logic [7:0][22:0] out);
+for (genvar c = 1; c <= 8; c++) begin : gen_store
+  localparam int unsigned Bits = msn_pkg::index_width(c);
+  msn_adc_store #(.Channels(c)) u_store (
+    .clk_i(clk), .rst_i(rst), .begin_i(begun), .in_valid_i(valid[c-1]), .in_word_i(word[Bits-1:0]),
+    .in_data_i(code), .in_bad_i(1'b0), .out_ready_i(go), .out_valid_o(out[c-1][22]),
+    .out_last_o(out[c-1][21]), .out_user_o(out[c-1][20]), .out_data_o(out[c-1][16:0]),
+    .out_id_o(out[c-1][16+Bits:17])
+  );
+end
+endmodule
+"""
+
+
+@pytest.mark.parametrize("name", ["ulx3s", "icebreaker"])
+def test_a_store_of_any_number_of_channels_has_one_driver_a_net(name):
+    """Of two channels, one net that is kept is a register's output and the other its inverse."""
+    board, stem = boards.BOARDS[name], f"build/tb/netlist-store/{name}"
+    (ROOT / stem).parent.mkdir(parents=True, exist_ok=True)
+    (ROOT / f"{stem}.sv").write_text(STORES, "utf-8")
+    script = f"{yowasp.read_rtl(board.cells, 'msn_adc_store')} {stem}.sv; "
+    yowasp.yosys(script + yowasp.synthesis(board.synth, "stores"), f"{stem}.log")
+
+
+def test_a_kept_net_is_one_bit_wide():
+    """As above: a kept vector may get a second driver."""
+    for source in yowasp.rtl():
+        kept = re.findall(r"\(\* *keep *\*\) *logic *(?:signed *)?(\[)?", (ROOT / source).read_text("utf-8"))
+        assert not any(kept), source
+
+
 @pytest.mark.long
 def test_an_array_with_multipliers_is_synthesised_for_an_ecp5():
     """The final check of synth_ecp5 elaborates the top again and then misses the modules flattened into

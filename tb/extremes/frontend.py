@@ -30,7 +30,7 @@ def parts(see):
     for part in adc_spi.PARTS.values():
         rates = [1, 2, part.sclk_min_khz, 1000, part.sclk_max_khz - 1, part.sclk_max_khz]
         for one in see.covering(
-            clk=[1, 100, 12_000, 25_000, 133_333, 399_999, 400_000],
+            clk=[1, 476, 477, 2_857, 2_858, 12_000, 25_000, 133_333, 399_999, 400_000],
             sclk=sorted(set(rates)),
             channels=[1, 2, 7, 8],
         ):
@@ -48,7 +48,8 @@ def adc_spi_(see):
         rough = ceil(Fraction(one["clk"], 2 * one["sclk"]))
         least = next(half for half in range(rough, 10**6) if fits(part, half, one["clk"], one["sclk"]))
         given = part, one["channels"], 1, one["clk"], one["sclk"]
-        if one["clk"] < 2 * least * part.sclk_min_khz:
+        unseen = one["clk"] <= {"ad7606": 476, "ad7606c-16": 2857}.get(part.name, 0)  # two clocks of BUSY
+        if unseen or one["clk"] < 2 * least * part.sclk_min_khz:
             see.refused(adc_spi.AdcSpi, *given)
             continue
         see.near(adc_spi.AdcSpi(*given).half, least, (part.name, one))

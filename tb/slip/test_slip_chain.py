@@ -13,7 +13,7 @@ from cocotb.triggers import ReadOnly, RisingEdge
 import bench
 import members
 from meissner.twins.slip.config import SlipConfig
-from meissner.twins.slip.slip_changes import slip_chain
+from meissner.twins.slip.slip_chain import slip_chain
 from meissner.twins.slip.slip_path import slip_flags
 from reference.slip_changes import ChangesReference
 from slip.test_slip_path import beats_of, recording

@@ -12,7 +12,7 @@ from meissner.twins.sensor.sensors import from_reset, sensor_array, sensor_cop4
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.shear_speeds import ShearSpeeds, report
-from meissner.twins.slip.slip_changes import changes_of, slip_chain
+from meissner.twins.slip.slip_chain import changes_of, slip_chain
 
 OF_LOAD = 65535  # channel of a slip event found in the load of four electrodes
 

@@ -118,6 +118,9 @@ class AdcSpi:
         if self.read_during and not part.has_busy:
             raise ValueError(f"read_during = True must be False for a part without BUSY, as the {part.name}")
         fits(self, clk_khz=(1, 400_000), sclk_khz=(1, part.sclk_max_khz))
+        if part.has_busy and self.clk_khz * part.conversion_max_ns <= 2_000_000:
+            least = 2_000_000 // part.conversion_max_ns + 1
+            raise ValueError(f"clk_khz = {self.clk_khz} must be at least {least} to see the part's BUSY")
         if self.clk_khz < 2 * self.half * part.sclk_min_khz:
             raise ValueError(f"sclk_khz = {self.sclk_khz} is too slow: the sample droops before it is out")
         fits(self, period_bits=(1, 32))
