@@ -47,7 +47,7 @@ module msn_fifo #(
   assign in_ready_o = !full;
   assign put        = in_valid_i && in_ready_o;
   assign free       = out_ready_i || !out_valid_o;
-  assign fetch      = free || !fetched_valid;  // of an empty memory too: all bits wait for this, not for the pointers
+  assign fetch      = free || !fetched_valid;  // also if empty: its many bits do not wait for the pointers
   assign get        = fetch && written != read;
 
   always_ff @(posedge clk_i) begin
@@ -74,7 +74,7 @@ module msn_fifo #(
     end
   end
 
-  // An entry that is read for use is never the one that is written in the same clock, which would be undefined.
+  // Reading an entry for use in the clock in which it is written is undefined.
   msn_check u_read_is_not_written (
     .clk_i, .rst_i, .wrong_i(!rst_i && put && get && written[PlaceBits-1:0] == read[PlaceBits-1:0])
   );
