@@ -21,7 +21,7 @@ LAYERS = [
         "builds.toolchain",
     ),
     *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
-    *("forest", "sense", "builds", "engines", "report", "scenes", "run"),
+    *("forest", "sense", "builds", "engines", "rope", "report", "scenes", "run"),
     *("host", "budget", "tradeoff", "process", "parser", "cli"),
 ]
 
