@@ -33,7 +33,7 @@ module msn_fifo #(
   (* no_rw_check *) logic [Width-1:0] memory [Depth];
   logic [Width-1:0]   fetched;
   logic [PlaceBits:0] written, read;  // one bit wider than an address, to distinguish full from empty
-  logic               put, get, fetched_valid, free;
+  logic               put, get, fetched_valid, free, fetch;
   logic               full;          // derived from both pointers in each clock, so that no upset persists
   (* keep *) logic    stays, fills;  // nets of their own: in_valid_i, which comes late, then passes one LUT
   logic               keeps_half, makes_half;
@@ -47,17 +47,16 @@ module msn_fifo #(
   assign in_ready_o = !full;
   assign put        = in_valid_i && in_ready_o;
   assign free       = out_ready_i || !out_valid_o;
-  assign get        = written != read && (free || !fetched_valid);
+  assign fetch      = free || !fetched_valid;  // also if empty: its many bits do not wait for the pointers
+  assign get        = fetch && written != read;
 
   always_ff @(posedge clk_i) begin
     if (put) begin
       memory[written[PlaceBits-1:0]] <= in_data_i;
       written <= written + 1'b1;
     end
-    if (get) begin
-      fetched <= memory[read[PlaceBits-1:0]];
-      read    <= read + 1'b1;
-    end
+    if (get)   read    <= read + 1'b1;
+    if (fetch) fetched <= memory[read[PlaceBits-1:0]];
     full          <= stays || (fills && in_valid_i && !full);
     half_o        <= keeps_half || (makes_half && put);
     fetched_valid <= get || (fetched_valid && !free);
@@ -75,7 +74,7 @@ module msn_fifo #(
     end
   end
 
-  // Reading an entry in the clock in which it is written is undefined.
+  // Reading an entry for use in the clock in which it is written is undefined.
   msn_check u_read_is_not_written (
     .clk_i, .rst_i, .wrong_i(!rst_i && put && get && written[PlaceBits-1:0] == read[PlaceBits-1:0])
   );

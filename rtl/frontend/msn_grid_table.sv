@@ -60,12 +60,8 @@ module msn_grid_table #(
   // last: what comes next is at place 0 either way.
   logic [BeatBits-1:0] beat;
   logic [RowBits-1:0]  row;
-  logic                bank, midway, swap, restart, swapping, write_row, there;
-  logic [Lanes-1:0]    write;
+  logic                bank, midway, swap, restart, swapping;
   assign status_o  = swapping;
-  assign there     = {1'b0, cfg_i.word} < (cfg_i.write_row ? 21'(Rows) : 21'(RowBeats));
-  assign write_row = cfg_i.write_written && cfg_i.write_row && there;
-  assign write     = (cfg_i.write_written && !cfg_i.write_row && there) ? Lanes'(cfg_i.write_lanes) : '0;
   assign restart   = last_i || !fits_i;
   assign swap      = swapping && !midway;
 
@@ -89,21 +85,35 @@ module msn_grid_table #(
     end
   end
 
-  logic [PartBits-1:0]   entry;
-  logic [OffsetBits-1:0] entry_offset;
-  assign entry_offset = OffsetBits'(signed'(cfg_i.offset));
+  // A write reaches the memories a clock later, still before a swap asked for with it: they are far apart, so nothing
+  // is decided on the way to them (133 MHz with the comparison on that way).
+  localparam int unsigned WordBits = (RowBits > BeatBits) ? RowBits : BeatBits;
+  logic                         there, write_row;
+  logic        [Lanes-1:0]      write;
+  logic        [WordBits-1:0]   word;
+  logic        [15:0]           entry_gain;
+  logic signed [OffsetBits-1:0] entry_offset;
+  logic        [PartBits-1:0]   entry;
+  assign there = {1'b0, cfg_i.word} < (cfg_i.write_row ? 21'(Rows) : 21'(RowBeats));
+  always_ff @(posedge clk_i) begin
+    write_row    <= cfg_i.write_written && cfg_i.write_row && there;
+    write        <= (cfg_i.write_written && !cfg_i.write_row && there) ? Lanes'(cfg_i.write_lanes) : '0;
+    word         <= WordBits'(cfg_i.word);
+    entry_gain   <= cfg_i.gain;
+    entry_offset <= OffsetBits'(signed'(cfg_i.offset));
+  end
   if (Offset) begin : gen_entry
-    assign entry = {entry_offset, cfg_i.gain};
+    assign entry = {entry_offset, entry_gain};
   end else begin : gen_entry_gain
-    assign entry = cfg_i.gain;
+    assign entry = entry_gain;
   end
   logic unused_cfg;
-  assign unused_cfg = ^{cfg_i, entry_offset};
+  assign unused_cfg = ^{cfg_i, entry_offset, word};
 
   logic [PartBits-1:0] row_read, of_row;
   msn_ram #(.Words(2 ** (RowBits + 1)), .Width(PartBits)) u_rows (
     .clk_i,
-    .write_i(write_row), .write_address_i({!bank, RowBits'(cfg_i.word)}), .write_data_i(entry),
+    .write_i(write_row), .write_address_i({!bank, RowBits'(word)}), .write_data_i(entry),
     .read_i(1'b1), .read_address_i(row_at), .out_data_o(row_read)
   );
   always_ff @(posedge clk_i) of_row <= loaded[3] ? row_read : PartBits'(16'd4096);
@@ -115,7 +125,7 @@ module msn_grid_table #(
     logic signed [32:0] gain;
     msn_ram #(.Words(2 ** (BeatBits + 1)), .Width(16)) u_gains (
       .clk_i,
-      .write_i(write[k]), .write_address_i({!bank, BeatBits'(cfg_i.word)}), .write_data_i(cfg_i.gain),
+      .write_i(write[k]), .write_address_i({!bank, BeatBits'(word)}), .write_data_i(entry_gain),
       .read_i(1'b1), .read_address_i(beat_at), .out_data_o(gain_read)
     );
     msn_multiply #(.AWidth(17), .BWidth(16)) u_gain (
@@ -131,7 +141,7 @@ module msn_grid_table #(
       logic signed [OffsetBits-1:0] offset_column, column_offset, row_offset;
       msn_ram #(.Words(2 ** (BeatBits + 1)), .Width(OffsetBits)) u_offsets (
         .clk_i,
-        .write_i(write[k]), .write_address_i({!bank, BeatBits'(cfg_i.word)}), .write_data_i(entry_offset),
+        .write_i(write[k]), .write_address_i({!bank, BeatBits'(word)}), .write_data_i(entry_offset),
         .read_i(1'b1), .read_address_i(beat_at), .out_data_o(offset_read)
       );
       always_ff @(posedge clk_i) begin

@@ -138,6 +138,53 @@ def test_eight_converters_are_wired_as_the_page_says():
     assert (at["adc_convst_o"], at["adc_reset_o"], at["adc_cs_n_o"]) == ("J1 GP8", "J1 GP9", "J1 GP10")
 
 
+@pytest.mark.parametrize("converters", [3, 5, 6, 7])
+def test_any_number_of_converters_is_wired(converters):
+    """64 columns on a ULX3S: each has its BUSY, DOUTA and DOUTB, all share the other lines; there are 3, 2, 2
+    and 2 groups of columns, 64 / (8 · converters) rounded up, so two bits or one."""
+    array = {"Array": 1, "Rows": 64, "Columns": 64, "ClkKhz": 100_000}
+    adc = {"Adc": 2, "AdcLanes": 2, "AdcChannels": 8, "Converters": converters}
+    plan = pins.assign(pins.description("ulx3s"), "x", array | adc)
+    found = {row["port"]: row["what"] for row in plan.rows() if row["port"].startswith(("adc_", "group_"))}
+    shared = {"cs_n_o": "CS", "sclk_o": "SCLK", "convst_o": "CONVST", "reset_o": "RESET"}
+    expected = {f"adc_{port}": f"{name} of all {converters} converters" for port, name in shared.items()}
+    for k in range(converters):
+        expected[f"adc_busy_i[{k}]"] = f"BUSY of converter {k}"
+        expected |= {
+            f"adc_miso_i[{2 * k + n}]": f"DOUT{line} of converter {k}" for n, line in enumerate("AB")
+        }
+    bits = ["group_o[0]", "group_o[1]"] if converters == 3 else ["group_o"]
+    expected |= {bit: f"bit {k} of the number of the group of columns" for k, bit in enumerate(bits)}
+    assert found == expected
+    text = plan.text().splitlines()
+    assert all(
+        any(line.startswith(f"{port} ") and line.endswith(f"  {what}") for line in text)
+        for port, what in found.items()
+    )
+    assert len({row["pin"] for row in plan.rows()}) == len(plan.rows())
+    # Neighbouring columns are on different converters; the last of a group's 8 inputs may have none.
+    places = {
+        k: list(range(k, 8 * converters * (3 if converters == 3 else 2), converters))
+        for k in range(converters)
+    }
+    for line, k in zip(text[-converters:], range(converters), strict=True):
+        name, told = line.split(": columns ")
+        assert name == f"converter {k}, inputs 0 to 7" and [len(g.split()) for g in told.split(" | ")] == [
+            8
+        ] * 2 + [8] * (converters == 3)
+        assert told.replace(" | ", " ").split() == [str(n) if n < 64 else "-" for n in places[k]]
+
+
+def test_the_columns_of_seven_converters_are_those_of_the_page():
+    """docs/scan.md: 64 columns, five inputs each: l, l + 7 .. l + 28, then l + 35 .. l + 63."""
+    adc = {"Adc": 2, "AdcChannels": 5, "Converters": 7, "Array": 1, "Rows": 64, "Columns": 64}
+    plan = pins.assign(pins.description("ulx3s"), "x", adc | {"ClkKhz": 100_000})
+    assert plan.text().splitlines()[-7::6] == [
+        "converter 0, inputs 0 to 4: columns 0 7 14 21 28 | 35 42 49 56 63",
+        "converter 6, inputs 0 to 4: columns 6 13 20 27 34 | 41 48 55 62 -",
+    ]
+
+
 @pytest.mark.parametrize("lanes", [1, 8])
 def test_an_ad7606c_has_an_input_for_its_registers(lanes):
     """On a ULX3S: CS, SCLK, CONVST, RESET, BUSY, DIN, and a line for each DOUT, by its letter."""

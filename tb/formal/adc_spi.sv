@@ -117,7 +117,7 @@ module formal_adc_spi #(
   assign sets_up  = SetupWords != 0 && ((state == Reset && start == '0) || (ends && bad));
   assign words    = (state == Setup) ? 8'(SetupWords) : 8'(Words);
   // A tagged answer is for the word before and has its number: the first word of a frame is only a command.
-  assign stores   = dut.word && (ReadDuring || state == Read) && (!Tagged || word != '0);
+  assign stores   = dut.word && (ReadDuring ? state != Setup : state == Read) && (!Tagged || word != '0);
   assign code     = Tagged ? word - 1'b1 : word;
   assign wrong    = Tagged && stores && 8'(dut.kept[KeptBits-1-:4]) != code;
   assign asks_setup = sets_up || (state == Setup && !(dut.done && word == '0));
@@ -212,36 +212,40 @@ module formal_adc_spi #(
     end
   end
 
-  // ReadDuring, of a part whose words are in one CS frame. When a conversion starts during a read, the clocks until CS
-  // rises and until the shifter rests, against the shortest conversion of 3450 ns, at whose end BUSY passes two registers.
-  localparam int unsigned Bits = msn_adc_pkg::word_bits(Part);
-  localparam int unsigned Risen = 2 * Half * Bits * Words + 1;  // since, as CS has risen
-  localparam int unsigned Done = 2 * Half * (Bits * Words + 1);
+  // ReadDuring. When a conversion starts during a read, the clocks until CS rises for the last time and until the shifter
+  // rests, against the shortest conversion, at whose end BUSY passes two registers.
+  localparam longint unsigned Least = Ad7606c ? 500_000 : 3_450_000;  // ps
+  localparam int unsigned Bits   = msn_adc_pkg::word_bits(Part);
+  localparam int unsigned Apart  = 2 * Half * (Bits + 32'(Selects));  // from word to word
+  localparam int unsigned Between = Selects ? 2 * Half : 0;            // of it, CS is high
+  localparam int unsigned Risen  = Apart * Words - Between + 1;        // since, as CS has risen for the last time
+  localparam int unsigned Done   = Apart * Words - Between + 2 * Half;
   if (ReadDuring) begin : gen_during
     always_comb if (started && !rst_i) begin
-      if (convert_o && reading && 32'(since) < Risen) assert (Clock * 64'(Risen - 32'(since)) + 25_000 <= 3_450_000);
-      if (convert_o && reading) assert (Clock * 64'(Done - 32'(since)) < 3_450_000 + Clock);
-      if (dut.u_shift.start_i && state != Setup) assert (adc_cs_n_o && !was_low && !reading);
+      if (convert_o && reading && 32'(since) < Risen) assert (Clock * 64'(Risen - 32'(since)) + 25_000 <= Least);
+      if (convert_o && reading) assert (Clock * 64'(Done - 32'(since)) < Least + Clock);
+      if (dut.u_shift.start_i && state != Setup) assert (adc_cs_n_o && !was_low && (!reading || (Selects && word != '0)));
     end
     // Invariant: since counts the read's clocks, as words, bits, halves and clocks of the shifter do.
-    logic [31:0] place;
+    logic [31:0] place, ended;  // ended: words, of those that CS has left high
     assign place = 32'(dut.u_shift.half_q) + 1;
+    assign ended = (word == '0) ? Words : 32'(word);
     always_comb if (started) begin
-      assert (state != Read && (reading || word == '0) && (!reading || state != Reset));
-      assert (reading == (32'(since) <= Done) && since != '0);
-      if (reading) begin
+      assert (state != Read && (reading || (word == '0 && state != Setup)) && (!reading || state != Reset));
+      assert ((reading && state != Setup) == (32'(since) <= Done) && since != '0);
+      if (reading && state != Setup) begin
         assert (32'(dut.u_shift.half_q) < Half && 32'(dut.u_shift.left_q) < Bits && !dut.u_shift.lead_q);
-        assert (adc_cs_n_o == (32'(since) >= Risen));
         if (!adc_cs_n_o) assert (32'(since) + place == Half * (32'(dut.u_shift.second_q) + 1) + 1
-                                 + 2 * Half * (Bits * (32'(word) + 1) - 1 - 32'(dut.u_shift.left_q)));
-        else assert (32'(since) + place == Half * (32'(dut.u_shift.second_q) + 1) + Risen);
+                                 + Apart * 32'(word) + 2 * Half * (Bits - 1 - 32'(dut.u_shift.left_q)));
+        else assert (32'(since) + place == Half * (32'(dut.u_shift.second_q) + 1) + 1 + Apart * ended - Between);
+        if (!Selects) assert (adc_cs_n_o == (32'(since) >= Risen));
         assert (dut.u_shift.word_o == (dut.u_shift.bit_end && !adc_cs_n_o && dut.u_shift.left_q == '0));
       end
       // A frame is open until its last word, and until its end if that word is not sent.
-      assert (!open || (reading && (!adc_cs_n_o || drop)));
-      assert (open || !reading || adc_cs_n_o);
+      assert (!open || (reading && state != Setup && (!adc_cs_n_o || word != '0 || drop)));
+      assert (open || !reading || state == Setup || (adc_cs_n_o && word == '0));
     end
-    if (Guard < 16) begin : gen_cover
+    if (Guard < 16 && SetupWords == 0) begin : gen_cover
       always_comb if (started && !rst_i) cover (convert_o && reading);
     end
   end
@@ -253,7 +257,7 @@ module formal_adc_spi #(
   logic [Channels-1:0] held, meant;
   logic                comes;  // words of this frame may still arrive
   assign held  = dut.u_store.full_q;
-  assign comes = (ReadDuring ? reading && !adc_cs_n_o && !read_o :
+  assign comes = (ReadDuring ? reading && state != Setup && (!adc_cs_n_o || word != '0) && !read_o :
                   (waits || (state == Read && (word != '0 || !adc_cs_n_o))) && !convert_o) && !drop;
   for (genvar c = 0; c < Channels; c++) begin : gen_channel
     assign meant[c] = dut.u_store.in_valid_i && (32'(dut.u_store.in_word_i) == c % LaneWords || Tagged);

@@ -34,6 +34,7 @@ module formal_cop_accumulate #(
   localparam int unsigned Levels  = $clog2(Lanes);
   localparam int unsigned Leaves  = 1 << Levels;
   localparam int unsigned Beats   = (Columns + Lanes - 1) / Lanes;
+  localparam int unsigned Kept    = Columns - (Beats - 1) * Lanes;  // lanes of a row's last beat
   localparam int unsigned Wide    = SumBits + 1;
   localparam bit          OneBeat = Rows == 1 && Beats == 1;
 
@@ -42,7 +43,7 @@ module formal_cop_accumulate #(
   logic                take, stalled, step, final_here, row_ends;
   logic                drops;                            // the frame is too long: further beats are dropped
   logic [20:0]         place, column;                    // of the next beat, in its frame and row
-  logic [20:0]         reached, along;                   // beats in S, and of them in the present row
+  logic [20:0]         reached, along, above;            // beats in S, of them in the present row; rows above it
   logic [31:0]         damaged;
   logic                damage;
   logic [Levels:0]     valid, whole, gone;               // the frame is complete; dropped
@@ -114,6 +115,7 @@ module formal_cop_accumulate #(
       known   <= !gone[Levels];
       reached <= places[Levels] + 21'd1;
       along   <= columns[Levels] + 21'd1;
+      above   <= opens ? '0 : above + 21'(columns[Levels] == '0);
       sum     <= carried + total;
       row_sum <= left + Long'(total);
       a       <= (opens ? '0 : a) + left * Long'(Lanes) + inner;
@@ -151,10 +153,12 @@ module formal_cop_accumulate #(
     end
   end
 
-  // Invariant: beats follow each other, and n of them have a sum of at most n Lanes 65535.
-  logic [20:0]     expected [Levels+1], follows [Levels+1];
+  // Invariant: beats follow each other, and the taxels of those in S, without surplus lanes, have a sum of at most 65535
+  // each. With a surplus lane in each row, the beats of a whole frame could carry out of S.
+  logic [20:0]     expected [Levels+1], follows [Levels+1], taxels;
   logic [Wide-1:0] most;
-  assign most = ((Wide'(reached) * Wide'(Lanes)) << 16) - Wide'(reached) * Wide'(Lanes);
+  assign taxels = above * 21'(Columns) + ((along == 21'(Beats)) ? 21'(Columns) : along * 21'(Lanes));
+  assign most   = (Wide'(taxels) << 16) - Wide'(taxels);
   assign expected[Levels] = known ? reached : '0;
   assign follows[Levels]  = known ? along : '0;
   for (genvar l = 1; l <= Levels; l++) begin : gen_chain
@@ -168,6 +172,8 @@ module formal_cop_accumulate #(
         assert (dut.beat_whole[l] == whole[l] && (!whole[l] || !gone[l]));
         if (places[l] == '0 && !gone[l]) assert (columns[l] == '0);
         if (!gone[l]) assert (columns[l] < 21'(Beats) && (columns[l] == '0 || columns[l] == follows[l]));
+        if (!gone[l] && places[l] != '0 && columns[l] == '0) assert (follows[l] == 21'(Beats));
+        if (!gone[l] && columns[l] == 21'(Beats - 1)) assert (lanes[l] >> (16 * Kept) == '0);
       end
     end
     always_comb if (started) assert (dut.beat_valid[l] == valid[l]);
@@ -180,6 +186,7 @@ module formal_cop_accumulate #(
         assert (place == '0 || place == expected[0]);
         assert (column == '0 || column == follows[0]);
         if (place == '0) assert (column == '0);
+        else if (column == '0) assert (follows[0] == 21'(Beats));
         assert (place < 21'(Rows * Beats) && 32'(column) < Beats && dut.first == (place == '0));
       end
       assert (dut.row_first == (column == '0));
@@ -187,7 +194,7 @@ module formal_cop_accumulate #(
       if (known) begin
         assert (reached != '0 && reached <= 21'(Rows * Beats) && sum <= most && sum == Wide'(dut.sum));
         assert (MxBits'(a) << 1 == {dut.moment_a, 1'b0} && MyBits'(b) << 1 == {dut.moment_b, 1'b0});
-        assert (along != '0 && along <= 21'(Beats) && along <= reached);
+        assert (along != '0 && along <= 21'(Beats) && above < 21'(Rows) && reached == above * 21'(Beats) + along);
         assert (row_sum * Long'(dut.Odd) == Long'(dut.row_total) && row_sum <= ((Long'(along) * Long'(Lanes)) << 16) - Long'(along) * Long'(Lanes));
       end
     end

@@ -180,15 +180,16 @@ def test_clocks_between_triggers_by_hand(part, channels, lanes, clk, sclk, cycle
     assert (twin.cycle_clocks(), twin.hold_clocks()) == (cycle, hold)
 
 
-def read_during_fits(slot, half, words, extra, clk_khz):
+def read_during_fits(slot, half, words, extra, clk_khz, least, most, rests):
     """docs/adc.md in nanoseconds: whether a frame's read ends in time for the next conversion, for the
-    longest and the shortest conversion after one another. A fall of BUSY at an edge may be seen there."""
+    longest and the shortest conversion after one another. A fall of BUSY at an edge may be seen there.
+    ``rests``: CS is high for a bit between words."""
     clock = Fraction(1_000_000, clk_khz)
-    for first, second in ((3450, 3450), (4200, 3450), (3450, 4200), (4200, 4200)):
+    for first, second in ((least, least), (most, least), (least, most), (most, most)):
         for late in (0, 1):
             seen = lambda ns, late: (ns // clock) if late or ns % clock else ns // clock - 1
             start = seen(first, 1) + 2  # the clock before CS falls; BUSY passes two registers
-            ends = start + 1 + 2 * half * 16 * words  # CS rises
+            ends = start + 1 + 2 * half * (16 * words + rests * (words - 1))  # CS rises
             begins = slot + seen(second, late) + 2  # of the next read
             if slot * clock + second - ends * clock < 25 or ends + 2 * half - 1 >= begins:
                 return False
@@ -199,28 +200,36 @@ def read_during_fits(slot, half, words, extra, clk_khz):
 
 
 @pytest.mark.parametrize(
-    "channels, lanes, clk, sclk, half, cycle, after",
+    "part, channels, lanes, clk, sclk, half, cycle, after",
     [
         # 4.2 us are 420 clocks, 3 to CS; 64 bits of 8 clocks, a rest of 8; of these 344 + 2 may overlap BUSY
-        (8, 2, 100_000, 14_500, 4, 420 + 3 + 520 - 346, 1036),
-        (8, 2, 100_000, 17_000, 3, 500, 1036),  # 5 us: the transfer, 390 clocks, needs 467
+        (AD7606, 8, 2, 100_000, 14_500, 4, 420 + 3 + 520 - 346, 1036),
+        (AD7606, 8, 2, 100_000, 17_000, 3, 500, 1036),  # 5 us: the transfer, 390 clocks, needs 467
         # 64 bits of 2 clocks, 3425 ns are 85: 151; the last of 4 + 4 samples leaves as the next read begins
-        (8, 2, 25_000, 14_500, 1, 105 - 86 + 128 + 1 + 4, 268),
-        (8, 1, 25_000, 14_500, 1, 105 + 3 + 256 - 85, 367),
-        (5, 2, 50_000, 17_000, 2, 210 + 3 + 256 + 4 - 174, 521),
-        (3, 1, 8_000, 14_500, 1, 33 + 3 + 96 + 2 - 29, 135),
-        (1, 1, 20_000, 14_500, 1, 100, 261),  # 5 us
+        (AD7606, 8, 2, 25_000, 14_500, 1, 105 - 86 + 128 + 1 + 4, 268),
+        (AD7606, 8, 1, 25_000, 14_500, 1, 105 + 3 + 256 - 85, 367),
+        (AD7606, 5, 2, 50_000, 17_000, 2, 210 + 3 + 256 + 4 - 174, 521),
+        (AD7606, 3, 1, 8_000, 14_500, 1, 33 + 3 + 96 + 2 - 29, 135),
+        (AD7606, 1, 1, 20_000, 14_500, 1, 100, 261),  # 5 us
+        # 500 to 700 ns, words of 17 bits but for the last rest: 4 of 68 clocks less 475 ns; 2 of 136 less 51.
+        (AD7606C, 8, 2, 100_000, 60_000, 2, 70 + 3 + 268 - 47, 346),
+        (AD7606C, 7, 4, 100_000, 16_000, 4, 70 + 3 + 272 - 51, 346),
+        (AD7606C, 8, 8, 25_000, 60_000, 1, 17 - 12 + 32 + 1 + 7, 76),  # the last of 1 + 7 samples
+        (AD7606C, 8, 8, 100_000, 60_000, 2, 100, 268),  # 1 us
     ],
 )
-def test_a_read_during_a_conversion_ends_in_time(channels, lanes, clk, sclk, half, cycle, after):
-    """The greater of cycle and transfer in place of their sum: no clock less will do, unless it is 5 us."""
-    sizes = {"part": AD7606, "channels": channels, "lanes": lanes, "clk_khz": clk, "sclk_khz": sclk}
+def test_a_read_during_a_conversion_ends_in_time(part, channels, lanes, clk, sclk, half, cycle, after):
+    """The greater of cycle and transfer in place of their sum: no clock less will do, unless it is the part's
+    own cycle."""
+    least, most, own, rests = (3450, 4200, 5000, 0) if part is AD7606 else (500, 700, 1000, 1)
+    sizes = {"part": part, "channels": channels, "lanes": lanes, "clk_khz": clk, "sclk_khz": sclk}
     twin = AdcSpi(**sizes, read_during=True)
     assert (twin.half, twin.cycle_clocks(), AdcSpi(**sizes).cycle_clocks()) == (half, cycle, after)
-    given = half, (4 if lanes > 1 else channels), (channels - 4 if lanes > 1 else 0), clk
+    words = 8 // lanes if lanes > 1 else channels
+    given = half, words, (channels - words if lanes > 1 else 0), clk, least, most, rests
     assert read_during_fits(cycle, *given)
-    assert Fraction(cycle * 1_000_000, clk) == 5000 or not read_during_fits(cycle - 1, *given)
+    assert Fraction(cycle * 1_000_000, clk) == own or not read_during_fits(cycle - 1, *given)
     assert twin.latencies() == AdcSpi(**sizes).latencies()  # from BUSY on nothing changes
     # It is given up 3 clocks after the longest conversion; a sample comes after the turn to its conversion.
-    assert twin.watch_clocks == 4200 * clk // 1_000_000 + 4 < cycle
-    assert twin.overlap_clocks() == min(twin.watch_clocks, 3450 * clk // 1_000_000 + 2 + 32 * half)
+    assert twin.watch_clocks == most * clk // 1_000_000 + 4 < cycle
+    assert twin.overlap_clocks() == min(twin.watch_clocks, least * clk // 1_000_000 + 2 + 32 * half)

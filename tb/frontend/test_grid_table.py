@@ -125,8 +125,9 @@ EVIDENCE = {
     "faults": {
         "size": {"Rows": 6},
         "settle": 3,  # frames of a single beat end while a word is in the six stages
-        # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
-        "driver": {"frame": "last_i", "kept": "memory bank loaded swapping"},
+        # The tables, what is written to them, the bank in use and whether one is loaded keep a fault until
+        # they are written again.
+        "driver": {"frame": "last_i", "kept": "memory bank loaded swapping write word entry"},
     },
 }
 

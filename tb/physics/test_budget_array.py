@@ -155,6 +155,18 @@ def test_a_carrier_takes_its_samples():
     assert long["terms_clocks"]["burst"] - short["terms_clocks"]["burst"] == 4 * 4 * 500
 
 
+# 3 kohm with 15 pF behind 300 ohm for 120 ns keep k = exp(-120/49.5) = 0.088546 at each sample; the pin is
+# off by p = exp(-1000/150) = 0.0012726 after 1 us and by nothing 5 us later: k^(skip+1) + k^skip p. Half a
+# code is 1.2207e-4.
+@pytest.mark.parametrize("skip, left", [(0, 8.9819e-2), (2, 7.0420e-4), (3, 6.2355e-5), (4, 5.5213e-6)])
+def test_what_remains_of_a_row_behind_skipped_samples(skip, left):
+    carrier = {"sample_period": 500, "periods": 4, "skip": skip}
+    found = budget.budget(8, 8, 100e6, MAX11125, 1, carrier=carrier, source_ohm=3000.0)
+    assert [row["left"] for row in found["old_row"]] == pytest.approx([left], rel=1e-3)
+    assert found["settled"] == (skip > 2)
+    assert f"{skip} skipped samples" in found["settling"] or skip == 0
+
+
 def test_the_command_prints_what_the_function_finds():
     done = meissner("budget", "--rows", "16", "--cols", "16", "--json")
     assert json.loads(done.stdout) == budget.budget(16, 16, 100e6, AD7606)

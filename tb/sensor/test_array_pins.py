@@ -4,8 +4,9 @@ health, tare, calibration and centre of pressure, all stages at once.
 The cases: a capacitive array on its carrier behind a MAX11125, demodulated; 4×8 behind an MCP3208 and 16×16
 behind an AD7606; 4×10 behind three MCP3208 and 5×17 behind five AD7606 of three inputs, whose second group
 of columns has one beat; 3×16 behind eight MCP3208 or two AD7606C-16 on eight lines each; 2×14 behind two
-MAX11131; 64×64 behind eight AD7606; with the converters' front on, 4×16 behind an AD7606, and 64×64 behind
-parts that settle in time; 16×16 and 64×64 are also read during the next conversion. Pins of several parts
+MAX11131; 2×3 behind each MAX1112x; 64×64 behind eight AD7606; with the converters' front on, 4×16 behind an
+AD7606, and 64×64 behind parts that settle in time; 16×16, 64×64 and 3×16 behind AD7606C-16 are also read
+during the next conversion, so each part is read in each way that it has. Pins of several parts
 move together (one model, so all give the same codes). Gains differ from taxel to taxel, a tare of the first
 frames finds the zeros, then a press moves. Every result equals the twin's for the very codes at the pins, bit
 for bit; every latency is the twin's, which is what `meissner budget` prints, and is below 1 ms where the
@@ -23,7 +24,16 @@ import bench
 import members
 from meissner.budget.array import terms
 from meissner.builds.settling import Settling
-from meissner.twins.frontend.adc_spi import AD7606, AD7606C, MAX11125, MAX11131, MCP3208, PARTS
+from meissner.twins.frontend.adc_spi import (
+    AD7606,
+    AD7606C,
+    MAX11123,
+    MAX11124,
+    MAX11125,
+    MAX11131,
+    MCP3208,
+    PARTS,
+)
 from meissner.twins.frontend.health import Limits
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
@@ -102,6 +112,9 @@ CASES = {
         "AdcChannels": 8,
     },
 }
+for part in (MAX11123, MAX11124, MAX11125):
+    CASES[f"2x3 {part.name}"] = {"Rows": 2, "Columns": 3, "Adc": part.number, "AdcChannels": 3}
+CASES["3x16c during"] = CASES["3x16c"] | {"ReadDuring": 1}
 CASES["16x16 during"] = CASES["16x16"] | {"ReadDuring": 1}
 CASES["64x64 during"] = CASES["64x64"] | {"ReadDuring": 1, "SclkKhz": 17_000}
 
@@ -319,7 +332,7 @@ async def begin(dut, limits=None, load=True, settle=None):
     # Gains of the taxels, when the preset ones are in use; then start the tare of the first frames.
     rng = np.random.default_rng(bench.SEED + 1)
     table = twin.calibrate.table
-    await bench.clocks(dut, table.beats + 4)
+    await bench.clocks(dut, max(table.beats + 4, scan.adc.start_clocks()))
     for word in range(table.beats):
         for lane in range(table.lanes):
             gain = int(rng.integers(1 << 10, 1 << 13))

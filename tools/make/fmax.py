@@ -148,6 +148,7 @@ TABLE = {
     "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
     "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
+    "cop-1024x1024x16-q14-turn1": ("msn_cop", LARGE | {"Lanes": 16, "BitsPerClock": 1}, 22, "ecp5"),
     **dict(cop_entries()),
     "array_forces-64x64": ("msn_array_forces", {"Rows": 64, "Columns": 64} | ALONE, 14, "ecp5"),
     "array_forces-32x32": ("msn_array_forces", {"Rows": 32, "Columns": 32} | ALONE, 14, "ecp5 up5k"),

@@ -154,7 +154,7 @@ def budget(
 def measured(array, settling, settle, clock_hz, converters, channels):
     """The latency of ``array``, whose rows settle for ``settle`` clocks; ``settling``: what they need."""
     clocks, steps = terms(array, settle)
-    total, part, carrier = sum(clocks.values()), array.scan.part, isinstance(array.scan, ScanDemod)
+    total, part = sum(clocks.values()), array.scan.part
     assert total == steps["total"]
     left_of = zip(settling.paths, settling.left(settle))
     return {
@@ -174,9 +174,9 @@ def measured(array, settling, settle, clock_hz, converters, channels):
         "frame_clocks": steps["frame"],
         "frames_per_second": clock_hz / steps["frame"],
         "within_1_ms": total / clock_hz <= BUDGET_S,
-        "old_row": [] if carrier else [{"path": path.about, "left": left} for path, left in left_of],
-        "settled": bool(carrier) or not settling.short(settle),
-        "settling": "" if carrier else settling.told(settle),
+        "old_row": [{"path": path.about, "left": left} for path, left in left_of],
+        "settled": not settling.short(settle),
+        "settling": settling.told(settle),
     }
 
 
@@ -246,15 +246,15 @@ def tell(found):
         verdict += "scan a smaller array or take a faster part"
     elif needs != found["converters"]:
         verdict += f"; 1 ms needs {needs} of these converters"
-    told = [found["settling"]] if found["settling"] else []
+    told = found["settling"]
     if not found["settled"]:
         verdict += "; of the digital side only"
-        told[0] = f"warning: {told[0]}"
+        told = f"warning: {told}"
     return [
         verdict,
         f"{found['rows']}×{found['columns']} taxels, {kind}, {found['clock_hz'] / 1e6:g} MHz, "
         f"settle {found['settle_clocks']} clocks",
-        *told,
+        told,
         "",
         *table(found, NAMES, "from first convert to CoP"),
         "",

@@ -110,11 +110,12 @@ class Port:
 
 @dataclass(frozen=True)
 class Plan:
-    """The ports of a board's top for one configuration."""
+    """The ports of a board's top for one configuration; ``columns``: of an array, by converter, in words."""
 
     board: Description
     config: str
     ports: tuple[Port, ...]
+    columns: tuple[str, ...] = ()
 
     @property
     def roles(self) -> dict[str, Port]:
@@ -160,7 +161,7 @@ class Plan:
         ]
         there = len(self.board.headers)
         title = f"pins of {self.config} on the {self.board.name}: {self.taken} of the headers' {there}"
-        return "\n".join([title, *lines]) + "\n"
+        return "\n".join([title, *lines, *self.columns]) + "\n"
 
     def json(self) -> str:
         found = {"board": self.board.name, "config": self.config, "source": self.board.source}
@@ -173,10 +174,29 @@ def row_pins(parameters: dict[str, int]) -> int:
     return rows if rows <= MOST_ROW_LINES else (rows - 1).bit_length() + 1
 
 
+def _inputs(parameters: dict[str, int]) -> int:
+    """Inputs used of each converter."""
+    return 1 if parameters.get("Demod") else parameters.get("AdcChannels", 8)
+
+
 def groups(parameters: dict[str, int]) -> int:
     """Number of groups of columns that the multiplexers upstream of the converters select from."""
-    inputs = 1 if parameters.get("Demod") else parameters.get("AdcChannels", 8)
-    return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * inputs))
+    return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * _inputs(parameters)))
+
+
+def columns(parameters: dict[str, int]) -> list[str]:
+    """A line for each converter of an array: the columns on its inputs, group by group (docs/scan.md)."""
+    converters, inputs = parameters.get("Converters", 1), _inputs(parameters)
+    lines = []
+    for k in range(converters if parameters.get("Array") else 0):
+        places = [
+            [(group * inputs + channel) * converters + k for channel in range(inputs)]
+            for group in range(groups(parameters))
+        ]
+        read = [[str(n) if n < parameters["Columns"] else "-" for n in group] for group in places]
+        told = " | ".join(" ".join(group) for group in read)
+        lines.append(f"converter {k}, inputs 0 to {inputs - 1}: columns {told}")
+    return lines
 
 
 def needs(board: Description, parameters: dict[str, int], slip_pins: int = 0) -> list[Need]:
@@ -314,7 +334,7 @@ def assign(board: Description, config: str, parameters: dict[str, int], slip_pin
     for need, labels in got.items():
         pins = tuple(board.headers[label] for label in labels)
         ports.append(Port(need.role, need.port, pins, tuple(labels), need.what, _pull(board, need)))
-    return Plan(board, config, tuple(ports))
+    return Plan(board, config, tuple(ports), tuple(columns(parameters)))
 
 
 def _pull(board: Description, need: Need) -> str | None:

@@ -8,6 +8,7 @@ from meissner.builds.units import Units
 from meissner.physics import front
 from meissner.tables import exact
 from meissner.twins.frontend.scan_adc import ScanAdc
+from meissner.twins.frontend.scan_demod import ScanDemod
 
 
 @dataclass(frozen=True)
@@ -15,7 +16,7 @@ class Settling:
     """``scan``: whose converters settle; ``volts``: their full scale, None: any; ``share``: of the old row,
     as much as may remain, None: half a code; ``source_ohm``: of what drives a multiplexed converter."""
 
-    scan: ScanAdc
+    scan: ScanAdc | ScanDemod
     volts: float | None = None
     share: float | None = None
     source_ohm: float = front.SOURCE_OHM
@@ -25,6 +26,11 @@ class Settling:
             raise ValueError(f"settle_share = {self.share:g} must be above 0 and at most 1")
         if not 0 <= self.source_ohm <= 1e6:
             raise ValueError(f"source_ohm = {self.source_ohm:g} must lie in 0 .. 1e+06")
+
+    @property
+    def skip(self) -> int:
+        """Samples of a carrier that are ignored before the first one that counts."""
+        return self.scan.skip if isinstance(self.scan, ScanDemod) else 0
 
     @property
     def name(self) -> str:
@@ -68,8 +74,11 @@ class Settling:
         return max(least, Units(clk_khz=self.scan.clk_khz).settle_clocks(exact(given_us) / 1_000_000))
 
     def left(self, clocks: int) -> list[float]:
-        """Share of the old row that remains at most after so many clocks, for each of ``paths``."""
-        return [path.left(clocks / (1000 * self.scan.clk_khz)) for path in self.paths]
+        """Share of the old row that remains at most in the first sample that counts, so many clocks and
+        ``skip`` samples after a switch, for each of ``paths``."""
+        every = self.scan.sample_period if isinstance(self.scan, ScanDemod) else 0
+        times = [(clocks + k * every) / (1000 * self.scan.clk_khz) for k in range(self.skip + 1)]
+        return [path.left(*times) for path in self.paths]
 
     def short(self, clocks: int) -> bool:
         return max(self.left(clocks)) > self.allowed
@@ -81,6 +90,13 @@ class Settling:
         shares = " or ".join(
             f"{size(left)} ({path.about})" for path, left in zip(self.paths, self.left(clocks))
         )
+        if self.skip:
+            text = (
+                f"{us:.4g} us and {self.skip} skipped samples after a switch {shares} of the old row remain"
+            )
+            return (
+                f"{text} at the {self.name}, {'more' if self.short(clocks) else 'no more'} than {self.limit}"
+            )
         text = f"{us:.4g} us after a switch {shares} of the old row remain at the {self.name}"
         if isinf(self.needed_s):
             return f"{text}, with any settle time more than {self.limit}"

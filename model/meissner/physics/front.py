@@ -104,9 +104,13 @@ class Path:
     pin: LowPass
     keep: float = 0.0
 
-    def left(self, seconds: float) -> float:
-        """Share of the old row that is left at most from ``seconds`` on."""
-        return min(1.0, self.pin.most_left(seconds) + self.keep)
+    def left(self, *seconds: float) -> float:
+        """Share of the old row that is left at most in a sample; ``seconds``: from the switch to each sample
+        up to this one. Each keeps the share ``keep`` of the one before."""
+        left = 1.0
+        for at_s in seconds:
+            left = self.pin.most_left(at_s) + self.keep * left
+        return min(1.0, left)
 
     def needed_s(self, share: float) -> float:
         """Seconds that are enough for ``share``; infinite if the capacitor alone keeps as much."""
