@@ -45,6 +45,7 @@ rtl/frontend/msn_tare.sv
 rtl/frontend/msn_taxel_table.sv
 rtl/frontend/msn_grid_table.sv
 rtl/frontend/msn_calibrate.sv
+rtl/forest/msn_forest_features.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv

@@ -21,7 +21,8 @@ LAYERS = [
         "builds.toolchain",
     ),
     *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
-    *("forest", "sense", "builds", "engines", "forest.forest", "forest.command", "report", "scenes", "run"),
+    *("forest", "sense", "builds", "engines", "forest.forest", "forest.command", "rope"),
+    *("report", "scenes", "run"),
     *("host", "budget", "tradeoff", "process", "parser", "cli"),
 ]
 

@@ -103,6 +103,15 @@ def _process(commands):
     _out(cop4, "OUT.npz", "output file, .npz or .csv", required=True)
     cop4.set_defaults(call="meissner.process:cop4")
 
+    rope = parts.add_parser("rope", help="slip of each frame by a forest, from samples [samples, channels]")
+    rope.add_argument("input", metavar="IN.npy", help="integer codes; or .csv with one column per channel")
+    rope.add_argument(
+        "--forest", required=True, metavar="F.json", help="docs/forest.md; its features: docs/rope.md"
+    )
+    rope.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    _out(rope, "OUT.npz", "output file, .npz or .csv", required=True)
+    rope.set_defaults(call="meissner.rope.process:rope")
+
 
 def _host(commands):
     regs = commands.add_parser("regs", help="registers of a core: all, the named ones, or write NAME=VALUE")
@@ -347,6 +356,14 @@ def _forest(commands):
     )
     _out(parser, "F.json", "output file", required=True)
     parser.set_defaults(call="meissner.forest.command:export")
+
+    parser = commands.add_parser(
+        "train-rope", help="train a forest on simulated ropes as published, its tables beside the published"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="of the fingertip, the pulls and the forest (1)")
+    parser.add_argument("--trees", type=int, default=400, metavar="N", help="of the forest (400)")
+    _out(parser, "F.json", "also write the forest to this file")
+    parser.set_defaults(call="meissner.scenes.rope.command:command")
 
 
 def _config(commands):

@@ -84,13 +84,13 @@ def readings(monkeypatch, break_it):
 
 def converted(monkeypatch, break_it):
     """``break_it(codes, part)`` of every part: "run" (60 frames), "calibration" (96), "even" (64)."""
-    right = of_matrix._World.codes
+    right = of_matrix.Sheet.codes
     parts = {60: "run", 96: "calibration", 64: "even"}
 
     def codes(world, siemens):
         return break_it(right(world, siemens), parts[len(siemens)])
 
-    monkeypatch.setattr(of_matrix._World, "codes", codes)
+    monkeypatch.setattr(of_matrix.Sheet, "codes", codes)
 
 
 def test_a_shifted_centre(monkeypatch, turned):

@@ -54,6 +54,13 @@ MISTAKES = {
         converter: bits = 17
         world: patches = []; seconds = 1e-09
     """,
+    "fingertip_cop": """
+        .: seeds = 0; -scan; rate_hz = -1
+        array: rows = 4 (rows); material = "felt"
+        world: kind = "dance"; pull_s = 0.4; free_s = 0; calibrate_n = 0; trees = 0; pattern = "F"
+        conditions.0: rope = "h"; mode = "pull"; values = []; values = [3] (values); values = [3, 4, 5, -1]
+        conditions.1: shape = "L"; shore = 99; position = "left"; name = 3
+    """,
     "fsr_64x64": """
         faults.0: kind = "lost"; row = 64; column = 1
         faults.1: -column

@@ -19,7 +19,15 @@ from meissner.scenes.sensor import sensors
 TIMES = ("seconds_taken", "samples_per_second")
 HAND = {"hold_from_s": 0.0, "poured_kg": 0.1, "pour_start_s": 0.0}
 # Scenes that take half a second or more; each sensor is also in a scene that takes less.
-LONG = {"capacitive_cell", "capacitive_shapes", "fsr_64x64", "shear_recover", "shear_speed"}
+LONG = {
+    "rope_pull",
+    "fingertip_hardness",
+    "capacitive_cell",
+    "capacitive_shapes",
+    "fsr_64x64",
+    "shear_recover",
+    "shear_speed",
+}
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

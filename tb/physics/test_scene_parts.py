@@ -24,6 +24,11 @@ USED = {
     **{"grip_pour": "slip grip", "cop_load": "cop4", "cop_slip": "cop4 cop_slip", "walk_25x5": "cop"},
     **{"fsr_3x3": "calibrate cop", "capacitive_crosstalk": "demod", "capacitive_cell": "demod calibrate"},
     "capacitive_shapes": "demod calibrate cop",
+    **{
+        "rope_pull": "forest_features",
+        "fingertip_cop": "calibrate cop",
+        "fingertip_hardness": "forest_features",
+    },
 }
 
 
@@ -80,7 +85,7 @@ def test_every_part_has_a_reason():
     "name, condition",
     [
         *(("normal_force", 0), ("grip_slip", 6), ("walk_25x5", None), ("fsr_3x3", None), ("cop_slip", 0)),
-        *(("cop_circle", None), ("shear_amount", 0), ("capacitive_crosstalk", None)),
+        *(("cop_circle", None), ("shear_amount", 0), ("capacitive_crosstalk", None), ("fingertip_cop", 1)),
     ],
 )
 def test_the_reasons_are_of_what_is_modelled(name, condition):
@@ -150,6 +155,8 @@ IMPORTS = {
     "walk_25x5": _TAXELS,
     "fsr_3x3": f"fsr {_TAXELS} frontend",  # with the scan
     "capacitive_crosstalk": "capacitive footprints mesh_loads / frontend.am_demod frontend.calibrate",
+    "fingertip_hardness": f"rope fsr {_TAXELS} frontend forest.forest_features",
+    "fingertip_cop": f"rope fsr {_TAXELS} frontend",
 }
 # For each line "<scene> <engine>" of the input, a line of the modules that a new process then has; what it
 # imports from others, most of its time, is imported before.

@@ -159,11 +159,12 @@ def strengths(rows: int, columns: int, material: Material, rng: np.random.Genera
 @finite
 def drift(force_n: ArrayLike, material: Material, rate_hz: float) -> Floats:
     """1 + each cell's relative gain of conductance under load; ``force_n`` [frames, ...]."""
-    gain, loaded_s = np.ones(np.shape(force_n)), np.zeros(np.shape(force_n)[1:])
-    for k, force in enumerate(np.asarray(force_n)):
-        gain[k] += material.drift * np.log10(1 + loaded_s / DRIFT_FROM_S)
-        loaded_s = np.where(force > material.break_n, loaded_s + 1 / rate_hz, 0.0)
-    return gain
+    pressed = np.asarray(force_n) > material.break_n
+    frame = np.arange(len(pressed)).reshape(-1, *[1] * (pressed.ndim - 1))
+    released = np.maximum.accumulate(np.where(pressed, -1, frame), axis=0)  # the last frame without a load
+    loaded_s = np.zeros(pressed.shape)
+    loaded_s[1:] = (frame - released)[:-1] / rate_hz
+    return 1 + material.drift * np.log10(1 + loaded_s / DRIFT_FROM_S)
 
 
 def break_cells(

@@ -95,6 +95,14 @@ class TimedEngine:
 
         return self._call("shear_speed", run, codes, codes[:, :64])
 
+    def forest_features(self, codes, window):
+        """Features [frames - window, window * channels] of codes [channels, frames]."""
+
+        def run(x, engine):
+            return function(engine, "forest_features")(x, window)
+
+        return self._call("forest_features", run, codes, codes[:, : window + 1])
+
     def demodulate(self, samples, carrier):
         """Codes [...] of carriers [..., samples]."""
         return self._call("demod", lambda x, engine: engines.demodulate(x, carrier, engine), samples)

@@ -183,8 +183,8 @@ def build(name, table):
     )
 
 
-class _World:
-    """The sheet of one seed, its network and converter."""
+class Sheet:
+    """The sheet of one seed, its network and converter; ``scene``: a Scene, or one with its fields."""
 
     def __init__(self, scene, seed):
         self.scene, self.rng = scene, np.random.default_rng(seed)
@@ -230,7 +230,7 @@ def memory(scene):
 
 def simulate(scene, seed=0):
     """Run the scene with one seed, which draws the spread of the cells and the noise."""
-    world, table = _World(scene, seed), scene.world
+    world, table = Sheet(scene, seed), scene.world
     count = round(table["seconds"] * scene.rate_hz)
     force_n = patches.forces(
         scene.rows, scene.columns, table["patches"], np.arange(count) / count, table["depth_pitches"]
