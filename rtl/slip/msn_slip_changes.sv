@@ -8,8 +8,9 @@
 //
 // So a change without room holds nothing up and is not forgotten: the channel's next detail offers it again. It is
 // lost, and counted, only if the channel changes again before. A state that is not wanted counts as told.
-// read_state_o: state of channel read_id_i, one clock later. For a channel per decision in order nothing waits: the next
-// channel's states are read ahead. After a frame that was cut the first decision waits for one clock.
+// read_state_o: state of channel read_id_i, one clock later. For a channel per decision in order nothing waits: the
+// states of the next two channels are read ahead, since a memory's output comes too late for what depends on them.
+// After a frame that was cut the first decision waits for two clocks, or one if its channel is the second of these.
 //
 // Combinational from input to output; one decision per clock, after Channels clocks from reset.
 // Error: none.
@@ -84,19 +85,21 @@ module msn_slip_changes #(
   end else begin : gen_many
     (* no_rw_check *) logic [2:0] told_memory [Channels];
     (* no_rw_check *) logic [2:0] now_memory [Channels];
-    logic              clearing;
-    logic [IdBits-1:0] sweep, id, following, ahead, read_at, write_at;
-    assign id        = in_i.id[IdBits-1:0];
-    assign following = in_i.last ? '0 : id + 1'b1;
-    assign read_at   = accept ? following : in_valid_i ? id : ahead;
-    assign write_at  = clearing ? sweep : id;
-    assign found     = !clearing && ahead == id;
+    // Channels of the states at hand, and of those that the memories read.
+    logic [IdBits-1:0] ahead, behind;
+    logic              clearing, advance, missing;
+    logic [IdBits-1:0] sweep, id, after, read_at, write_at;
+    assign id       = in_i.id[IdBits-1:0];
+    assign found    = !clearing && ahead == id;
+    assign missing  = in_valid_i && !clearing && ahead != id;
+    assign advance  = accept || (missing && behind == id);
+    assign after    = (behind == IdBits'(Channels - 1)) ? '0 : behind + 1'b1;
+    assign read_at  = advance ? after : missing ? id : behind;
+    assign write_at = clearing ? sweep : id;
 
     logic       write, passes;  // what the host reads is written in this clock
-    logic [2:0] fetched, told_fetched, now_fetched, written;
+    logic [2:0] fetched, told_fetched, now_fetched, told_next, now_next, written;
     assign write        = clearing || accept;
-    assign told         = msn_pkg::slip_state_e'(told_fetched);
-    assign now          = msn_pkg::slip_state_e'(now_fetched);
     assign read_state_o = msn_pkg::slip_state_e'(passes ? written : fetched);
     always_ff @(posedge clk_i) begin
       if (write) begin
@@ -105,21 +108,41 @@ module msn_slip_changes #(
       end
       told_fetched <= told_memory[read_at];
       now_fetched  <= now_memory[read_at];
-      ahead        <= read_at;
+      behind       <= read_at;
+      if (advance) begin
+        told  <= msn_pkg::slip_state_e'(told_next);
+        now   <= msn_pkg::slip_state_e'(now_next);
+        ahead <= behind;
+      end
       fetched      <= now_memory[read_id_i];
       written      <= clearing ? '0 : state;
       passes       <= write && write_at == read_id_i;
       if (clearing) sweep <= sweep + 1'b1;
       if (sweep == IdBits'(Channels - 1)) clearing <= 1'b0;
       if (rst_i) begin
-        clearing <= 1'b1;
-        sweep    <= '0;
-        ahead    <= '0;
+        {told, now} <= {msn_pkg::None, msn_pkg::None};
+        clearing    <= 1'b1;
+        sweep       <= '0;
+        ahead       <= '0;
+        behind      <= IdBits'(1);
       end
     end
 
-    // Reading a word in the clock in which it is written is undefined.
-    msn_check u_read_is_not_written (.clk_i, .rst_i, .wrong_i(!rst_i && accept && read_at == id));
+    if (Channels == 2) begin : gen_pair
+      // The second channel ahead is the one that is written.
+      logic       same;
+      logic [2:0] told_written;
+      always_ff @(posedge clk_i) begin
+        same         <= write && write_at == read_at;
+        told_written <= clearing ? '0 : next_told;
+      end
+      assign told_next = same ? told_written : told_fetched;
+      assign now_next  = same ? written : now_fetched;
+    end else begin : gen_next
+      assign {told_next, now_next} = {told_fetched, now_fetched};
+      // Reading a word in the clock in which it is written is undefined.
+      msn_check u_read_is_not_written (.clk_i, .rst_i, .wrong_i(!rst_i && accept && read_at == id));
+    end
   end
 
   logic unused_in;
