@@ -29,14 +29,11 @@ def float_share(model, rows):
 
 
 def votes(engine, model, rows):
-    """(share of the vote for slip, slip) of features [rows, n]; the place for a forest in RTL."""
+    """(share of the vote for slip, slip) of features [rows, n]."""
     if engine == "float":
         share = float_share(model, rows)
         return share, share > 0.5
-    if engine != "fixed":
-        raise ValueError(f"the engine {engine} decides no forest yet: float and fixed do")
-    forest = Forest(model)
-    found = forest.next(rows)
+    found = Forest(model, engine=engine).next(rows)
     return found.votes[:, 1] / found.votes.sum(1), found.index == 1
 
 

@@ -34,15 +34,14 @@ def decide(scene, core, model, recordings):
     w = scene.pattern.w
     rows = [core.forest_features(one.channels, w) for one in recordings]
     joined = np.concatenate(rows)
-    # The votes are the twin's on fixed and rtl: the forest has no engine of its own yet.
     if core.engine == "float":
         share = model.predict_proba(joined)[:, 1]
         slip = model.predict(joined) == 1
     else:
         from meissner.forest.forest import Forest
 
-        forest = Forest(model, integer=True)
-        share, slip = forest.predict_proba(joined)[:, 1], forest.next(joined).index == 1
+        found = Forest(model, integer=True, engine=core.engine).next(joined)
+        share, slip = found.votes[:, 1] / found.votes.sum(1), found.index == 1
     ends = np.cumsum([0, *map(len, rows)])
     padded = lambda found, one: np.concatenate([np.zeros(w, found.dtype), found[one]])
     return [(padded(share, slice(a, b)), padded(slip, slice(a, b))) for a, b in pairwise(ends)]
