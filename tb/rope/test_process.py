@@ -1,5 +1,5 @@
-"""``meissner process rope``: a forest written by hand decides as worked out by hand, on every engine but gate and
-from both kinds of files; what does not fit is refused, and nothing is written."""
+"""``meissner process rope``: a forest written by hand decides as worked out by hand, on float, fixed and rtl
+and from both kinds of files; what does not fit is refused, and nothing is written."""
 
 import re
 
