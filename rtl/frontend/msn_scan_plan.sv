@@ -104,19 +104,19 @@ module msn_scan_plan #(
   logic [PeriodBits-1:0] last_q;           // period - 1
   logic                  timed_q, at_once_q, take;
   logic [RestBits-1:0]   rest_q;           // of Full
-  logic [RestBits-1:0]   most_q, most;     // open from this rest on, and one: settle + 1, at most Saved + 1
+  logic [RestBits-1:0]   most_q;           // open from this rest on, and one: settle + 1, at most Saved + 1
+  logic                  fits;             // rest_q is no more; of a settle time being taken each limit apart, for timing
   assign take = !active_q && state_q != Settle && !due;
-  assign most = !take ? most_q : (32'(cfg_settle_i) + 1 > Saved) ? RestBits'(Saved + 1) :
-                RestBits'(cfg_settle_i) + 1'b1;
+  assign fits = !take ? rest_q <= most_q : 32'(rest_q) <= Saved + 1 && 32'(rest_q) <= 32'(cfg_settle_i) + 1;
   always_ff @(posedge clk_i) begin
     if (take) begin
       settle_q  <= cfg_settle_i;
       at_once_q <= cfg_settle_i == '0;
       last_q    <= cfg_period_i - 1'b1;
       timed_q   <= cfg_period_i != '0;
+      most_q    <= (32'(cfg_settle_i) >= Saved) ? RestBits'(Saved + 1) : RestBits'(cfg_settle_i) + 1'b1;
     end
-    most_q <= most;
-    open_q <= !trigger_o && rest_q <= most;
+    open_q <= !trigger_o && fits;
     if (trigger_o)         rest_q <= RestBits'(Full - 1);
     else if (rest_q != '0) rest_q <= rest_q - 1'b1;
     if (rst_i) {rest_q, open_q} <= {RestBits'(0), 1'b1};
