@@ -99,13 +99,13 @@ module msn_scan_plan #(
   assign idle_o = state_q == Off || (state_q == Free && open_q && !switch_o);
 
   // Settings in force. The rest after a trigger is compared with the settle time that follows it, in the clock in which
-  // that is taken: triggers are never less than Cycle clocks apart, whatever changes.
+  // that is taken, each limit apart for timing: triggers are never less than Cycle clocks apart, whatever changes.
   logic [SettleBits-1:0] settle_q;
   logic [PeriodBits-1:0] last_q;           // period - 1
   logic                  timed_q, at_once_q, take;
   logic [RestBits-1:0]   rest_q;           // of Full
   logic [RestBits-1:0]   most_q;           // open from this rest on, and one: settle + 1, at most Saved + 1
-  logic                  fits;             // rest_q is no more; of a settle time being taken each limit apart, for timing
+  logic                  fits;             // rest_q is no more
   assign take = !active_q && state_q != Settle && !due;
   assign fits = !take ? rest_q <= most_q : 32'(rest_q) <= Saved + 1 && 32'(rest_q) <= 32'(cfg_settle_i) + 1;
   always_ff @(posedge clk_i) begin
