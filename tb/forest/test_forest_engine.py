@@ -230,6 +230,8 @@ async def is_stuck_until_the_last_answer(dut):
     assert await played.votes(1) == decide(given, row)[0]
 
 
+EVIDENCE = {}
+
 SPACE = lambda draw: {"Walkers": draw.randint(2, 64), "Contexts": 1 << draw.randint(1, 3), "Timeout": 200}
 
 

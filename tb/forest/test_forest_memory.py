@@ -58,6 +58,8 @@ async def forgets_requests_at_a_reset(dut):
         await bench.RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {}
+
 SPACE = lambda draw: {
     "Features": draw.randint(1, 256),
     "FeatureBits": draw.randint(2, 22),

@@ -144,6 +144,8 @@ async def adds_over_the_whole_width(dut):
     assert await read(dut, 1) == [0, 65535**2]
 
 
+EVIDENCE = {}
+
 SPACE = lambda draw: {
     "Classes": draw.randint(1, 40),
     "Leaves": draw.randint(1, 40),
