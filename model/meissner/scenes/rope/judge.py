@@ -38,10 +38,10 @@ def decide(scene, core, model, recordings):
         share = model.predict_proba(joined)[:, 1]
         slip = model.predict(joined) == 1
     else:
-        from meissner.forest.forest import Forest
+        from meissner.forest.sklearn import of_model
+        from meissner.rope.process import votes
 
-        found = Forest(model, integer=True, engine=core.engine).next(joined)
-        share, slip = found.votes[:, 1] / found.votes.sum(1), found.index == 1
+        share, slip = votes(core.engine, of_model(model, True), joined)
     ends = np.cumsum([0, *map(len, rows)])
     padded = lambda found, one: np.concatenate([np.zeros(w, found.dtype), found[one]])
     return [(padded(share, slice(a, b)), padded(slip, slice(a, b))) for a, b in pairwise(ends)]
