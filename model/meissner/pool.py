@@ -66,7 +66,7 @@ def _started_whole() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         signal.signal(signal.SIGINT, before)
         if waiting:
-            raise KeyboardInterrupt
+            signal.raise_signal(signal.SIGINT)  # what `before` makes of it: nothing, in a background job
 
 
 class _Pool(ProcessPoolExecutor):

@@ -154,3 +154,19 @@ def test_ctrl_c_ends_every_process(tmp_path, number):
     while any(map(runs, began)):  # the last one, which tracks the others' resources, ends after them
         time.sleep(0.01)
     assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.mark.parametrize("before", [signal.SIG_IGN, signal.default_int_handler], ids=["ignored", "raises"])
+def test_an_interrupt_while_a_process_starts_does_what_it_did_before(before):
+    """But later; a shell's background job ignores it."""
+    kept, steps = signal.signal(signal.SIGINT, before), []
+    try:
+        with pool._started_whole():
+            os.kill(os.getpid(), signal.SIGINT)
+            steps.append("started")
+        steps.append("goes on")
+    except KeyboardInterrupt:
+        steps.append("interrupted")
+    finally:
+        signal.signal(signal.SIGINT, kept)
+    assert steps == ["started", "goes on" if before == signal.SIG_IGN else "interrupted"]
