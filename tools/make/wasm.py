@@ -2,7 +2,7 @@
 
     python tools/make/wasm.py      build/wasm/: core.js; scene.js, samples and what the twin decides on them
 
-It needs Emscripten (Debian: emscripten). The page compares its core's first seconds with the twin's decisions.
+It needs Emscripten (Debian: emscripten). The page compares its core's decisions with the twin's.
 """
 
 import base64
