@@ -105,12 +105,21 @@ def _process(commands):
 
     rope = parts.add_parser("rope", help="slip of each frame by a forest, from samples [samples, channels]")
     rope.add_argument("input", metavar="IN.npy", help="integer codes; or .csv with one column per channel")
-    rope.add_argument(
-        "--forest", required=True, metavar="F.json", help="docs/forest.md; its features: docs/rope.md"
-    )
-    rope.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    _out(rope, "OUT.npz", "output file, .npz or .csv", required=True)
     rope.set_defaults(call="meissner.rope.process:rope")
+    forest = parts.add_parser("forest", help="class of each row of features [rows, features] by a forest")
+    forest.add_argument("input", metavar="X.npy", help="numbers; or .csv, columns by name if it has a header")
+    forest.add_argument(
+        "--single", action="store_true", help="also count the clocks of each row alone (rtl, gate)"
+    )
+    forest.set_defaults(call="meissner.forest.process:forest")
+    for part in (rope, forest):
+        part.add_argument(
+            "--forest", required=True, metavar="F.json", help="docs/forest.md; or the .skops or .onnx model"
+        )
+        part.add_argument("--trust", action="store_true", help="also a .joblib model, which runs its code")
+        part.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+        part.add_argument("--engines", type=int, default=1, metavar="N", help="tree engines, 1 to 64 (1)")
+        _out(part, "OUT.npz", "output file, .npz or .csv", required=True)
 
 
 def _host(commands):
