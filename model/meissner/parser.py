@@ -8,6 +8,7 @@ from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
 LOADED = "a file that `meissner calibrate` wrote, to write into the core first"
+PLANTED = "a file that `meissner export-forest` wrote, to write into the core first"
 CONFIG = "the core's configuration, for physical units: a name or a TOML file"
 
 
@@ -130,6 +131,7 @@ def _host(commands):
     )
     regs.add_argument("--config", metavar="FILE", help=CONFIG)
     regs.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
+    regs.add_argument("--forest", metavar="F.json", help=PLANTED)
     regs.set_defaults(call="meissner.host.commands:regs")
 
     live = commands.add_parser(
@@ -172,6 +174,7 @@ def _line_arguments(parser):
     )
     parser.add_argument("--config", metavar="FILE", help=CONFIG)
     parser.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
+    parser.add_argument("--forest", metavar="F.json", help=PLANTED)
     parser.add_argument(
         "--clk-khz", type=int, metavar="KHZ", help="the core's clock, if its registers are not read"
     )

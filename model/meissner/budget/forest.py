@@ -9,6 +9,7 @@ import numpy as np
 
 from meissner.builds.boards import BOARDS
 from meissner.forest import file, words
+from meissner.forest.cost import RESERVE, clocks, depths, needs, rams, word_bits
 from meissner.forest.forest import Forest
 from meissner.forest.place import lengths, place
 from meissner.forest.reduce import Reducer
@@ -17,44 +18,7 @@ from meissner.terminal import columns, plain
 from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 NODE_BITS = 64
-LANES = 4  # of classes that an engine adds in a clock
-SHARE = 0.95  # of the clocks in which an engine of block RAM compares a node
-SDRAM_CLOCKS = 4.2  # a node (tb/forest/test_forest_sdram.py)
-WALK_CLOCKS = 28  # from a node to its child, through the SDRAM
 SDRAM = "ulx3s"
-RESERVE = 4  # block RAMs for what else a core has
-
-
-def rams(count, bits, cells):
-    """Block RAMs for ``count`` words of ``bits``, in the shape that takes the fewest."""
-    size, widest = {"ice40": (4096, 16), "ecp5": (16384, 32), "gowin": (16384, 32)}[cells]
-    extra = 9 / 8 if widest == 32 else 1  # bits of parity, which hold data too
-    shapes = [(size // width, int(width * (extra if width >= 8 else 1))) for width in (1, 2, 4, 8, 16, 32)]
-    return min(-(-count // deep) * -(-bits // wide) for deep, wide in shapes if wide <= widest * extra)
-
-
-def word_bits(model):
-    """Bits of a node in block RAM (rtl/forest/msn_forest_memory.sv): kind, feature, threshold, low half."""
-    most = max((int(np.abs(tree.threshold).max(initial=0)) for tree in model.trees), default=0)
-    threshold = min((most + 1).bit_length() + 1, words.THRESHOLD_BITS)
-    return 2 + max((len(model.features) - 1).bit_length(), 1) + threshold + 32
-
-
-def sizes(model, engines):
-    """(words, trees) of each engine."""
-    own = [max(len(tree.feature), 1) for tree in model.trees]
-    return [(sum(own[tree] for tree in trees), len(trees)) for trees in words.spread(model, engines)]
-
-
-def needs(model, cells, engines, banks):
-    """Block RAMs of a forest's nodes, roots and leaves: as many for each engine as for the fullest."""
-    nodes, trees = (max(each) for each in zip(*sizes(model, engines)))
-    each = rams(banks * nodes, word_bits(model), cells)
-    each += rams(banks * trees, max((nodes - 1).bit_length(), 1), cells)
-    if len(model.classes) != 2:
-        lanes, turns = min(len(model.classes), LANES), -(-len(model.classes) // LANES)
-        each += lanes * rams(banks * turns * len(model.leaves), 16, cells)
-    return engines * each
 
 
 def walks(forest, x=None):
@@ -64,29 +28,6 @@ def walks(forest, x=None):
         steps = np.maximum(forest.steps(x), 1)
         return steps, steps
     return lengths(forest.model)[None], np.array([[max(depths(tree), 1) for tree in forest.model.trees]])
-
-
-def depths(tree):
-    """Nodes of the longest path of a tree."""
-    below = np.ones(len(tree.feature), np.int64)
-    for node in reversed(range(len(below))):
-        for child in (tree.left[node], tree.right[node]):
-            if child >= 0:
-                below[node] = max(below[node], 1 + below[child])
-    return int(below[0]) if len(below) else 0
-
-
-def clocks(model, walked, engines):
-    """{"block RAM", "SDRAM"}: (mean, worst) clocks of a decision; ``walked``: as ``walks`` gives them."""
-    found = [_clocks(model, steps, engines) for steps in walked]
-    return {name: (round(found[0][name].mean()), round(found[1][name].max())) for name in found[0]}
-
-
-def _clocks(model, steps, engines):
-    busiest = np.max([steps[:, own].sum(1) for own in words.spread(model, engines)], axis=0)
-    ends = len(model.features) + len(model.classes) * (engines + 4)
-    outside = np.maximum(steps.sum(1) * SDRAM_CLOCKS, WALK_CLOCKS * steps.max(1)) + ends
-    return {"block RAM": busiest / SHARE + ends, "SDRAM": outside}
 
 
 def devices():
@@ -119,6 +60,14 @@ def budget(model, walked, engines=1, banks=1):
     row = _memory(f"{SDRAM} SDRAM", 0, 0, spent["SDRAM"], 100.0, inside and fits)
     found["memories"].append(row | {"words": size, "room": BANKS * BANK_WORDS})
     return found
+
+
+def of_config(config):
+    """The budget of the forest in a configuration's file."""
+    forest = config.features["forest"]
+    if forest.model is None:
+        raise ValueError("[forest]: a budget needs the forest: file = 'F.json'")
+    return budget(forest.model, walks(Forest(forest.model)), forest.engines, forest.banks)
 
 
 def _placed(model):
