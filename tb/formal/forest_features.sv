@@ -33,7 +33,7 @@ module formal_forest_features #(
   logic [Window-1:0]            clean;     // of a slot: a whole frame of differences since the restart
   logic [Window-1:0]            kept_known;
   logic [Window-1:0][SampleBits:0] kept;   // of a slot: the watched channel's difference
-  logic signed [SampleBits-1:0] before;
+  logic signed [SampleBits-1:0] earlier;
   logic                         fetched, fetched_last, fetched_ours, out, out_last, out_ours;
   logic [SampleBits:0]          fetched_value, out_value;
   assign accept      = in_valid_i && in_ready_o;
@@ -58,8 +58,8 @@ module formal_forest_features #(
       restart_q <= in_restart_i;
       channel   <= in_last_i ? 8'd0 : channel + 8'd1;
       if (channel == 8'(watch_i)) begin
-        kept[slot] <= (SampleBits + 1)'(in_data_i) - (SampleBits + 1)'(before);
-        before     <= in_data_i;
+        kept[slot] <= (SampleBits + 1)'(in_data_i) - (SampleBits + 1)'(earlier);
+        earlier     <= in_data_i;
         known      <= 1'b1;
         kept_known[slot] <= known;
       end
@@ -139,7 +139,7 @@ module formal_forest_features #(
   for (genvar k = 0; k < Channels; k++) begin : gen_word
     always_comb begin
       if (started && known && behind == 8'(k)) begin
-        assert (dut.u_before.gen_registers.line[k*SampleBits+:SampleBits] == before);
+        assert (dut.u_before.gen_registers.line[k*SampleBits+:SampleBits] == earlier);
       end
     end
   end

@@ -52,7 +52,7 @@ module formal_forest_votes #(
       begun <= 1'b1;
     end
     if (free_i[watch_i]) begun <= 1'b0;
-    read_ours <= read_i && read_context_i == watch_i && read_second_i == watch_second_i;
+    read_ours <= started && read_i && read_context_i == watch_i && read_second_i == watch_second_i;
     expected  <= read_sum_i + (begun ? total : 32'd0);
     if (rst_i) {begun, counted} <= '0;
   end
