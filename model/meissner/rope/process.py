@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from meissner import engines, files
+from meissner import engines, files, readers
 from meissner.engines.features import function
 from meissner.forest import file
 from meissner.forest.forest import Forest
@@ -58,10 +58,9 @@ def rope(arguments):
     """``meissner process rope``."""
     engines.load(arguments.engine)
     model = file.read(arguments.forest)
-    codes = files.read_array(arguments.input)
-    if codes.ndim != 2:
-        raise ValueError(f"the samples must have the shape [samples, channels], not {codes.shape}")
-    x = engines.check_samples(codes if arguments.input.lower().endswith(".csv") else codes.T)
+    found = readers.read(arguments.input, arguments.column or (), unit=arguments.unit, samples_first=True)
+    codes, done = found.flat().scaled(arguments.volts_per_code)
+    x = engines.check_samples(codes)
     with files.results(arguments.out) as save:
         began = time.perf_counter()
         result = decide(x, model, arguments.engine)
@@ -69,6 +68,7 @@ def rope(arguments):
         save(result)
     rises = np.flatnonzero(np.diff(result["slip"].astype(int)) > 0) + 1
     first = f"first at sample {rises[0]}" if len(rises) else "none"
+    print(plain(f"{found.said}; {done}"))
     print(
         f"{x.shape[1]} samples of {len(x)} channels, slip in {int(result['slip'].sum())} ({first}); "
         f"{x.size / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
