@@ -80,7 +80,7 @@ class Browser:
         there, here = _high(there), _high(here)
         command = f'exec "$0" "$@" --remote-debugging-pipe --user-data-dir={folder} 3<&{there} 4>&{here}'
         self._process = subprocess.Popen(
-            ["sh", "-c", command, CHROMIUM, *OPTIONS, "about:blank"],
+            ["bash", "-c", command, CHROMIUM, *OPTIONS, "about:blank"],
             pass_fds=(there, here),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -114,6 +114,7 @@ class Browser:
         page = Page(self, self.call("Target.createTarget", {"url": "about:blank"})["targetId"])
         page.size(width, height, scheme)
         page.call("Page.navigate", {"url": url})
+        page.until(f"location.href === {json.dumps(url)} && document.readyState === 'complete'")
         return page
 
     def close(self):

@@ -11,8 +11,11 @@ import threading
 
 import numpy as np
 
+from meissner import scenes
+from meissner.builds.units import of_scene
 from meissner.host import Core, web
 from meissner.host.line import Pipe
+from meissner.host.simulated import SimulatedCore, blocks_of, settings_of, slip_source
 from meissner.host.web.server import serving
 
 TYPES = {"f8": "<f8", "f4": "<f4", "u2": "<u2"}
@@ -33,6 +36,21 @@ def shown(source):
 
 def of_pipe(pipe, known=None, **settings):
     return web.OfCore(Core(Pipe(pipe), known, **settings), "a core")
+
+
+TURN_S = 2.0
+
+
+def slipping(speed):
+    """A simulated core that plays the last seconds of the demo's scene, TURN_S, again and again: in each turn
+    the plate, held, slips."""
+    scene = scenes.load("acrylic_slip")
+    config, recording = scene.slip_config(), scenes.simulate(scene, 0, 1)
+    codes = recording.codes[None, -round(TURN_S * scene.rate_hz) :]
+    source = slip_source(blocks_of(codes, config.level, loop=True), scene.rate_hz, config.window, config.hop)
+    core = SimulatedCore(source, settings=settings_of(config), speed=speed, level=config.level)
+    core.units = of_scene(scene)
+    return core
 
 
 def ask(address, method, path, body=None, **headers):

@@ -4,7 +4,8 @@ A message of the stream, lowest bytes first: its length 32, that of its text 32,
 64 bits (float); the text, JSON; then arrays as the text's ``arrays`` lists them, [name, dtype, shape]. Text
 and arrays are padded to 8 bytes. The kind of a packet's message is the name of its class, its other keys are
 the packet's fields, so a packet of a new type needs nothing here. Packets of one type that hold only numbers
-come as the rows of one array, ``rows``, whose ``columns`` the text names; missing numbers are NaN.
+and follow each other come as the rows of one array, ``rows``, whose ``columns`` the text names; missing
+numbers are NaN.
 """
 
 import json
@@ -119,8 +120,8 @@ class Hub:
         self.newest_s = 0.0
         self._facts: dict[str, float | None] = {}
         self._out: list[bytes] = []
-        self._rows: dict[str, list[list[float]]] = {}
-        self._columns: dict[str, list[str]] = {}
+        self._rows: list[list[float]] = []  # of packets of one type that came one after the other
+        self._rows_of: tuple[str, list[str]] = "", []  # their type and columns
         self._recent: deque[tuple[float, bytes]] = deque()
         self._recent_size = 0
         self._table, self._table_from = Table(), 0
@@ -145,12 +146,14 @@ class Hub:
         head, arrays = message(item)
         values = [value for key, value in head.items() if key != "kind"]
         if arrays or not all(value is None or isinstance(value, int | float) for value in values):
+            self._close_rows()
             self._out.append(encode(t, head, arrays))
         else:
             kind = head.pop("kind")
-            self._columns.setdefault(kind, ["t", *head])
-            row = [t, *(np.nan if value is None else float(value) for value in values)]
-            self._rows.setdefault(kind, []).append(row)
+            if kind != self._rows_of[0]:
+                self._close_rows()
+                self._rows_of = kind, ["t", *head]
+            self._rows.append([t, *(np.nan if value is None else float(value) for value in values)])
         if not isinstance(item, Trace):
             self._keep(stamp_ns, item)
 
@@ -198,6 +201,7 @@ class Hub:
 
     def event(self, kind: str, arrays: list[NDArray[Any]] | None = None, **given: Any) -> None:
         """A message that is no packet, at the time of the newest one."""
+        self._close_rows()
         self._out.append(encode(self.newest_s, {"kind": kind, **given}, arrays))
 
     def remember(self, kind: str, key: str, value: Any) -> None:
@@ -209,12 +213,15 @@ class Hub:
         if new:
             self.event(kind, name=key, value=value)
 
+    def _close_rows(self) -> None:
+        if self._rows:
+            table, (kind, columns) = np.array(self._rows), self._rows_of
+            head = {"kind": kind, "columns": columns, "arrays": [["rows", "f8", table.shape]]}
+            self._out.append(encode(self._rows[-1][0], head, [table]))
+            self._rows = []
+
     def send(self) -> None:
-        for kind, rows in self._rows.items():
-            table = np.array(rows)
-            head = {"kind": kind, "columns": self._columns[kind], "arrays": [["rows", "f8", table.shape]]}
-            self._out.append(encode(rows[-1][0], head, [table]))
-        self._rows.clear()
+        self._close_rows()
         data = b"".join(self._out)
         self._out.clear()
         if not data:

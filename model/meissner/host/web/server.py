@@ -83,6 +83,9 @@ class Handler(BaseHTTPRequestHandler):
         self._serve(self._post)
 
     def _serve(self, what: Callable[[], None]) -> None:
+        if self.server.closing:  # asked over a connection from before
+            self.close_connection = True
+            return
         try:
             host = self.headers.get("Host", "")
             if host.rpartition(":")[0] not in LOCAL and host not in LOCAL:
@@ -204,7 +207,7 @@ class Server(ThreadingHTTPServer):
     request_queue_size = 32
 
     def __init__(self, hub: Hub, write: Callable[[str, int], int], port: int = PORT) -> None:
-        self.hub, self.write, self.files = hub, write, page()
+        self.hub, self.write, self.files, self.closing = hub, write, page(), False
         contents = b"".join(content for _, content in self.files.values())
         hub.about["page"] = sha256(contents).hexdigest()  # a page of another version loads itself again
         try:
@@ -234,6 +237,7 @@ def serving(hub: Hub, write: Callable[[str, int], int], port: int = PORT) -> Ite
         try:
             yield server
         finally:
+            server.closing = True
             server.shutdown()
             for viewer in list(hub.viewers):
                 viewer.close()

@@ -156,7 +156,9 @@ on("Trace", trace => {
   }
 });
 function event(t, text, state) {
-  page.events.push({t, text, state});
+  let at = page.events.length;
+  while (at && page.events[at - 1].t > t) at--;
+  page.events.splice(at, 0, {t, text, state});
   if (page.events.length > 500) page.events.splice(0, 250);
 }
 const amount = row => row.p2p_v !== null ? `${number(1e3 * row.p2p_v, 3)} mV` : row.p2p_n !== null ? `${number(1e3 * row.p2p_n, 3)} mN` : `${row.p2p}`;
@@ -187,7 +189,7 @@ on("message", row => event(row.t, row.text));
 on("register", row => page.registers.push(row.name, row.t, row.value));
 on("status", row => { page.status = row; page.counts = row.counts; });
 on("dropped", row => { page.dropped = row.count; });
-export const faults = bits => bits ? ["dead", "railed", "", "blinking"].filter((name, k) => name && bits >> k & 1).join(", ") || `faults ${bits}` : "works again";
+export const faults = bits => bits ? ["dead", "railed", "blinking"].filter((name, k) => name && bits >> k & 1).join(", ") || `faults ${bits}` : "works again";
 
 const TYPES = {f8: Float64Array, f4: Float32Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array, i4: Int32Array, i2: Int16Array};
 
@@ -389,7 +391,7 @@ export function chart(body, lines, {height = 150, least = null, bands = []} = {}
       }},
     },
     axes: [
-      {stroke: tone("soft"), grid: {stroke: tone("line"), width: 1}, ticks: {show: false}, font, size: 24, gap: 2, values: (_, ticks) => ticks.map(t => `${+t.toFixed(3)}`)},
+      {stroke: tone("soft"), grid: {stroke: tone("line"), width: 1}, ticks: {show: false}, font, size: 24, gap: 2, values: (_, ticks) => ticks.map(t => t < 0 ? "" : `${+t.toFixed(3)}`)},
       {stroke: tone("soft"), grid: {stroke: tone("line"), width: 1}, ticks: {show: false}, font, size: 48, gap: 4},
     ],
     series: [{}, ...lines.map(line => ({label: line.label, stroke: tone(line.colour), width: 1.4, points: {show: false}, ...line.more}))],
@@ -417,7 +419,7 @@ addEventListener("DOMContentLoaded", () => {
   const main = document.getElementById("panels");
   for (const def of panels) {
     const title = make("h2", {textContent: def.title}), body = make("div");
-    def.section = make("section", {hidden: true, id: def.id, className: def.wide ? "wide" : ""}, title, body);
+    def.section = make("section", {hidden: true, id: def.id, className: def.shape ?? ""}, title, body);
     main.append(def.section);
     def.build(body, title);
   }

@@ -1,6 +1,6 @@
 // A channel's signal, and its peak-to-peak against the thresholds. A line carries no samples: the signal is that of a
 // core in this process, or a taxel of the images; the peak-to-peak of other cores is that of its changes of state.
-import {channelName, chart, css, make, number, page, panel, Series, scaleOf, stateName, withUnit} from "/page.js";
+import {channelName, chart, make, page, panel, scaleOf, stateName, withUnit} from "/page.js";
 
 let signal, spread, choice, sub, note;
 
@@ -25,7 +25,7 @@ function thresholds(t) {
 }
 
 panel({
-  id: "signal", title: "Slip of a channel", wide: true, picture: true,
+  id: "signal", title: "Slip of a channel", shape: "wide", picture: true,
   shown: () => page.traces.size > 0 || page.images.length > 0 || page.states.of.size > 0,
   build(body, title) {
     sub = title.appendChild(make("small"));

@@ -1,5 +1,5 @@
 // The load over time.
-import {chart, make, number, page, panel} from "/page.js";
+import {chart, make, page, panel} from "/page.js";
 
 let load, sub;
 

@@ -1,12 +1,12 @@
 // The grip reflex: its command and its faults, as the registers say them.
-import {chart, css, make, page, panel, Series} from "/page.js";
+import {chart, make, page, panel} from "/page.js";
 
 const FAULTS = ["a finger is silent", "a finger is unhealthy", "command at its maximum", "minimum above maximum", "no command yet"];
 let plot, words, sub;
 
 panel({
   id: "grip", title: "Grip command",
-  shown: () => page.registers.now("grip.command") !== undefined,
+  shown: () => Boolean(page.registers.now("grip.enable") || page.registers.now("grip.command")),
   build(body, title) {
     sub = title.appendChild(make("small"));
     plot = chart(body, [{label: "", colour: "second"}], {least: 0});

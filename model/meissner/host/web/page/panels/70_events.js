@@ -1,5 +1,5 @@
 // What happened, the newest first.
-import {css, make, page, panel} from "/page.js";
+import {make, page, panel} from "/page.js";
 
 const SHOWN = 60;
 let body, last = null;

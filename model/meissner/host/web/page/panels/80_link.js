@@ -16,7 +16,9 @@ panel({
     }
     const rows = Object.entries(NAMES).filter(([name]) => ALWAYS.includes(name) || counts[name]).map(([name, text]) => [text, counts[name] ?? "–"]);
     rows.splice(1, 0, ["packets a second", Math.round(rate)]);
-    for (const [name, value] of page.statistics) rows.push([`in the core: ${name}`, value]);
+    const counted = [...page.statistics].filter(([, value]) => value);
+    for (const [name, value] of counted) rows.push([`in the core: ${name}`, value]);
+    if (page.statistics.size) rows.push([counted.length ? "in the core: all other counters" : "in the core: all counters", 0]);
     rows.push(["viewers", page.status.viewers ?? 1]);
     if (page.dropped) rows.push(["parts dropped: this viewer is too slow", page.dropped]);
     const next = rows.join();

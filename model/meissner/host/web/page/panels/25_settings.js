@@ -40,7 +40,8 @@ function row(setting) {
     if (slider) slider.setAttribute("aria-valuetext", `${value}`);
     if (keep) return;
     said.className = "";
-    said.textContent = `the core has ${value}${scale ? `, ${withUnit(value, scale)}` : ""}`;
+    said.textContent = `has ${value}${scale ? `, ${withUnit(value, scale)}` : ""}`;
+    said.title = "as the core reads it back";
     rows.get(name).shown = value;
   }
   field.onchange = () => { if (field.value !== "") write(Math.round(+field.value)); };
@@ -57,12 +58,13 @@ function row(setting) {
 }
 
 panel({
-  id: "settings", title: "Settings",
+  id: "settings", title: "Settings", shape: "tall",
   shown: () => (page.hello?.settings.length ?? 0) > 0,
   build(found) { body = found; },
   begin(hello) {
     rows = new Map();
-    const main = hello.settings.filter(({name}) => SLIDERS.includes(name)), rest = hello.settings.filter(({name}) => !SLIDERS.includes(name));
+    const off = name => hello.now.register[`${name.split(".")[0]}.enable`] === 0, first = ({name}) => SLIDERS.includes(name) && !off(name);
+    const main = hello.settings.filter(first).sort((a, b) => SLIDERS.indexOf(a.name) - SLIDERS.indexOf(b.name)), rest = hello.settings.filter(setting => !first(setting));
     body.replaceChildren(...main.map(row));
     if (rest.length) body.append(make("details", {}, make("summary", {textContent: `${rest.length} more`}), ...rest.map(row)));
   },
