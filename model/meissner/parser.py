@@ -24,6 +24,11 @@ def _out(parser, metavar, what, required=False, holds=""):
     parser.set_defaults(holds=holds)
 
 
+def _web(parser, what):
+    parser.add_argument("--web", action="store_true", help=f"{what} on a page of this machine, 127.0.0.1")
+    parser.add_argument("--web-port", type=int, metavar="N", help="the same on this port (8642; 0: any free)")
+
+
 def _jobs(parser):
     parser.add_argument("--jobs", type=int, metavar="N", help="processor cores to use (all of them)")
 
@@ -104,6 +109,7 @@ def _run(commands):
     _jobs(run)
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
     run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
+    _web(run, "while it runs, play its first condition")
     run.set_defaults(call="meissner.cli:run")
 
     scene = commands.add_parser("scene", help="check a scene and explain why it needs each part")
@@ -189,6 +195,7 @@ def _host(commands):
         "live", help="show a core's packets as they arrive: slip, centre of pressure, image"
     )
     _line_arguments(live)
+    _web(live, "show them, and set thresholds,")
     live.set_defaults(call="meissner.host.commands:live")
 
     log = commands.add_parser(
@@ -208,7 +215,8 @@ def _host(commands):
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
-    _out(replay, "OUT.npz", "output file, .npz or .csv", required=True)
+    _out(replay, "OUT.npz", "output file, .npz or .csv; required without --web")
+    _web(replay, "play the log")
     replay.set_defaults(call="meissner.host.commands:replay")
 
 
