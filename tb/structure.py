@@ -23,7 +23,7 @@ LAYERS = [
     *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
     *("forest", "sense", "builds", "engines", "forest.forest", "forest.reduce", "forest.command"),
     *("rope", "report", "scenes", "run"),
-    *("host", "budget", "tradeoff", "process", "parser", "cli"),
+    *("host", "budget", "tradeoff", "process", "parser", "completion", "cli"),
 ]
 
 
