@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meissner.arrays import Arrays
-from meissner.builds.units import FRACTION_BITS, Units
+from meissner.builds.units import FRACTION_BITS
 from meissner.files import arrays_of, written
 from meissner.host import packets
+from meissner.host.core import Core
 from meissner.host.unfinished_log import UnfinishedLog
 from meissner.twins.slip.slip import State
 
@@ -121,7 +122,7 @@ class NpzLog:
 
     KIND = ".rows"
 
-    def __init__(self, spool: UnfinishedLog, known: Units) -> None:
+    def __init__(self, spool: UnfinishedLog, core: Core) -> None:
         self.spool, self._table, self._told = spool, Table(), False
         self.add = self._table.add
         spool.write(MAGIC)
