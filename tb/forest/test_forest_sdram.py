@@ -151,16 +151,17 @@ async def timed(dut, q):
     return asking.result(), clock
 
 
-@bench.applies(lambda dut: dut.Features.value == 54)
+@bench.applies(lambda dut, trees: dut.Features.value == 54, long=lambda trees: trees == 400)
 @cocotb.test(timeout_time=100, timeout_unit="ms")
-async def clocks_of_400_trees(dut):
+@cocotb.parametrize(trees=[50, 400])
+async def clocks_of_trees(dut, trees):
     """Trained with scikit-learn's defaults on 3546 rows; loaded into the part directly. Of 1000 rows that
     with the fewest nodes, the middle one and that with the most, alone and one after another."""
     from sklearn.ensemble import RandomForestClassifier
 
     model = await up(dut)
     x, y = windows(3546)
-    forest = meissner.Forest(RandomForestClassifier(400, random_state=1).fit(x, y))
+    forest = meissner.Forest(RandomForestClassifier(trees, random_state=1).fit(x, y))
     fresh, _ = windows(1000, seed=5)
     steps = forest.steps(fresh).sum(1)
     chosen = fresh[np.argsort(steps)[[0, 500, -1]]]
@@ -185,10 +186,18 @@ async def clocks_of_400_trees(dut):
     assert found == expected(forest.model, q) and each <= 4.2
 
 
-@pytest.mark.parametrize("features, classes, banks", [(3, 3, 2), (4, 2, 1), (54, 2, 2)])
-def test_forest_sdram(features, classes, banks):
+@pytest.mark.parametrize(
+    "features, classes, banks, without",
+    [
+        (3, 3, 2, "400"),
+        (4, 2, 1, "400"),
+        (54, 2, 2, "400"),
+        pytest.param(54, 2, 2, "none", marks=pytest.mark.long),
+    ],
+)
+def test_forest_sdram(features, classes, banks, without):
     given = {"Features": features, "Classes": classes, "Banks": banks, "PowerUpUs": 2}
-    bench.run("forest", "forest_sdram", given)
+    bench.run("forest", "forest_sdram", given, test_filter=f"^(?!.*trees={without})")
 
 
 EVIDENCE = {"equivalence": {"boxes": True}, "faults": {"none": "as sdram; msn_forest has its own"}}
