@@ -495,3 +495,61 @@ def test_the_layout_shows_what_is_sent():
             kind = dict(ros.fields(kind))[name]
     text = json.dumps(layout["layout"])
     assert all(f'"{panel}"' in text for panel in layout["configById"])
+
+
+def test_the_packages_are_whole(monkeypatch, store):
+    """What colcon would read: every message is built, every import of the node is required, the entry point
+    exists, and the launch file names what the node declares; run with stand-ins for setuptools and launch."""
+    import runpy
+    from xml.etree import ElementTree
+
+    folder = ROOT / "ros2"
+    built = (folder / "meissner_msgs/CMakeLists.txt").read_text("utf-8")
+    own = {f"msg/{path.name}" for path in (folder / "meissner_msgs/msg").glob("*.msg")}
+    assert {line.strip(' "') for line in built.splitlines() if ".msg" in line} == own
+    needed = {}
+    for name in ("meissner_msgs", "meissner_ros"):
+        package = ElementTree.parse(folder / name / "package.xml").getroot()
+        assert (package.get("format"), package.findtext("name")) == ("3", name)
+        needed[name] = {one.text for one in package if one.tag.endswith("depend")}
+    kinds = {kind.split("/")[0] for kind in ros.TOPICS.values()}
+    assert needed["meissner_ros"] >= kinds | {"rclpy", "rcl_interfaces", "launch_ros"}
+    assert needed["meissner_msgs"] >= {"std_msgs", "builtin_interfaces", "rosidl_default_generators"}
+    _, module = node_class(monkeypatch, store)
+    made = types.SimpleNamespace()
+    monkeypatch.setattr("setuptools.setup", lambda **given: vars(made).update(given))
+    monkeypatch.chdir(folder / "meissner_ros")
+    runpy.run_path("setup.py")
+    assert made.entry_points["console_scripts"] == ["meissner = meissner_ros.node:main"] and module.main
+    files = [name for _, names in made.data_files for name in names]
+    assert len(files) == 4 and all((folder / "meissner_ros" / name).is_file() for name in files)
+
+    def keep(*given, **named):
+        return types.SimpleNamespace(given=given, **named)
+
+    for name, words in {
+        "ament_index_python.packages": ["get_package_share_directory"],
+        "launch": ["LaunchDescription"],
+        "launch.actions": ["DeclareLaunchArgument"],
+        "launch.substitutions": ["LaunchConfiguration"],
+        "launch_ros.actions": ["Node"],
+        "launch_ros.parameter_descriptions": ["ParameterValue"],
+    }.items():
+        stand = types.ModuleType(name)
+        vars(stand).update(dict.fromkeys(words, keep))
+        monkeypatch.setitem(sys.modules, name, stand)
+    vars(sys.modules["ament_index_python.packages"])["get_package_share_directory"] = lambda name: f"/{name}"
+    launch = runpy.run_path("launch/meissner.launch.py")["generate_launch_description"]()
+    *declared, node = launch.given[0]
+    assert (node.package, node.executable) == ("meissner_ros", "meissner")
+    monkeypatch.setattr(module.host, "connect", lambda *_, **__: core_of()[1])
+    parameters = module.TactileNode().parameters
+    assert set(node.parameters[1]) <= parameters.keys()
+    assert {one.given[0] for one in declared} == {*node.parameters[1], "thresholds"}
+
+
+def test_the_node_says_in_a_sentence_why_it_ends(monkeypatch, store, capsys):
+    _, module = node_class(monkeypatch, store)
+    monkeypatch.setattr(module.Node, "overrides", {"port": "telepathy"})
+    assert module.main() == 2
+    assert "'telepathy' is not a line" in capsys.readouterr().err

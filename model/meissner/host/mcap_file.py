@@ -185,8 +185,7 @@ def _item(
     kind, values = topic.removeprefix("/tactile/"), _values(message)
     ticks: int = values.get("ticks", 0)
     if kind == "frame":
-        image = images.pop(stamp_ns, None) if getattr(message, "has_image", False) else None
-        return _frame_item(message, image)
+        return _frame_item(message, images.pop(stamp_ns, None))
     if kind == "slip" or (kind == "state" and not values["start"]):  # starts are on both topics
         channel, state, p2p = (values[name] for name in ("channel", "state", "p2p"))
         if kind == "slip":
