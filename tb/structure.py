@@ -21,7 +21,8 @@ LAYERS = [
         "builds.toolchain",
     ),
     *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
-    *("forest", "sense", "builds", "engines", "forest.forest", "forest.reduce", "forest.command"),
+    *("forest", "sense", "builds", "engines"),
+    *("forest.forest", "forest.reduce", "forest.command", "forest.process"),
     *("rope", "report", "scenes", "run"),
     *("host", "budget", "tradeoff", "process", "parser", "cli"),
 ]

@@ -8,6 +8,7 @@ from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
 LOADED = "a file that `meissner calibrate` wrote, to write into the core first"
+PLANTED = "a file that `meissner export-forest` wrote, to write into the core first"
 CONFIG = "the core's configuration, for physical units: a name or a TOML file"
 
 
@@ -105,12 +106,21 @@ def _process(commands):
 
     rope = parts.add_parser("rope", help="slip of each frame by a forest, from samples [samples, channels]")
     rope.add_argument("input", metavar="IN.npy", help="integer codes; or .csv with one column per channel")
-    rope.add_argument(
-        "--forest", required=True, metavar="F.json", help="docs/forest.md; its features: docs/rope.md"
-    )
-    rope.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    _out(rope, "OUT.npz", "output file, .npz or .csv", required=True)
     rope.set_defaults(call="meissner.rope.process:rope")
+    forest = parts.add_parser("forest", help="class of each row of features [rows, features] by a forest")
+    forest.add_argument("input", metavar="X.npy", help="numbers; or .csv, columns by name if it has a header")
+    forest.add_argument(
+        "--single", action="store_true", help="also count the clocks of each row alone (rtl, gate)"
+    )
+    forest.set_defaults(call="meissner.forest.process:forest")
+    for part in (rope, forest):
+        part.add_argument(
+            "--forest", required=True, metavar="F.json", help="docs/forest.md; or the .skops or .onnx model"
+        )
+        part.add_argument("--trust", action="store_true", help="also a .joblib model, which runs its code")
+        part.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+        part.add_argument("--engines", type=int, default=1, metavar="N", help="tree engines, 1 to 64 (1)")
+        _out(part, "OUT.npz", "output file, .npz or .csv", required=True)
 
 
 def _host(commands):
@@ -121,6 +131,7 @@ def _host(commands):
     )
     regs.add_argument("--config", metavar="FILE", help=CONFIG)
     regs.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
+    regs.add_argument("--forest", metavar="F.json", help=PLANTED)
     regs.set_defaults(call="meissner.host.commands:regs")
 
     live = commands.add_parser(
@@ -184,6 +195,7 @@ def _line_arguments(parser):
     )
     parser.add_argument("--config", metavar="FILE", help=CONFIG)
     parser.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
+    parser.add_argument("--forest", metavar="F.json", help=PLANTED)
     parser.add_argument(
         "--clk-khz", type=int, metavar="KHZ", help="the core's clock, if its registers are not read"
     )

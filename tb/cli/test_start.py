@@ -100,6 +100,7 @@ ALONE = {  # exit code and words of each command
     "process cop no.npy --out out.npz": (2, FILE),
     "process cop4 no.npy --config cop4 --out out.npz": (2, FILE),
     "process rope no.npy --forest no.json --out out.npz": (2, FILE),
+    "process forest no.npy --forest no.json --out out.npz": (2, FILE),
     "calibrate no.npz --out out.npz": (2, FILE),
     "fit-rubber no.csv": (2, FILE),
     "export-forest no.skops --out F.json": (2, FILE),

@@ -117,7 +117,7 @@ def test_dds_is_read_by_a_second_process(loopback):
     out = reader.stdout.read().split()
     ended.join()
     assert bytes.fromhex(out[2]) == image(store, int(out[0]), int(out[1]))
-    assert said == [f"12 topics on DDS domain {domain}, experimental; Ctrl-C ends"]
+    assert said == [f"13 topics on DDS domain {domain}, experimental; Ctrl-C ends"]
 
 
 class Client:

@@ -103,6 +103,15 @@ def test_everything_is_in_the_log(tmp_path, kind):
     assert list(found["slip_ns"]) == [start + 4500 * 1000]
 
 
+def test_arrays_from_before_some_packets_are_read(tmp_path):
+    logged(tmp_path / "a.npz")
+    arrays = log.read(tmp_path / "a.npz")
+    added = ("reset_", "change_", "state_", "class_")
+    np.savez(tmp_path / "old.npz", **{name: x for name, x in arrays.items() if not name.startswith(added)})
+    found = log.read(tmp_path / "old.npz")
+    assert found.keys() == arrays.keys() and not len(found["class_label"]) and len(found["slip_p2p"]) == 1
+
+
 def test_missing_changes_are_counted_by_hand():
     """Channel 3 goes 0, 1, 2 and, what led there is missing, 4 from 1; channel 5 is first heard of in state
     1, and after a reset begins again."""

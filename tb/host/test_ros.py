@@ -39,6 +39,8 @@ def sent():
     yield 4500, p.SLIP, p.slip_event(65535, 14, 3)
     yield 4510, p.CHANGE, p.state_change(7, 0x30201, 4, 3, True)
     yield 4520, p.STATES, p.states([1, 0, 3])[0]
+    yield 4530, p.CLASS, p.class_change(3, p.NO_CLASS, 131_069)
+    yield 4540, p.CLASS, p.class_change(1, 3, 70_000)
     yield 4600, p.HEALTH, p.health(4, 5)
     yield 4700, p.STATISTIC, p.statistic(2, 77)
 
@@ -75,7 +77,7 @@ def test_definitions_are_those_of_ros(store):
     kinds = set(ros.TOPICS.values())
     for top in ros.TOPICS.values():
         kinds |= {text.splitlines()[0] for text in ros.definition(top).split("MSG: ")[1:]}
-    assert len(kinds) == 19 and "geometry_msgs/Vector3" in kinds
+    assert len(kinds) == 20 and "geometry_msgs/Vector3" in kinds
     from rosbags.typesys import get_types_from_msg
 
     for kind in kinds:
@@ -160,6 +162,8 @@ def test_units_and_frames_by_hand():
     other = changes[1]
     assert (other.channel, other.of_load, other.state, other.before) == (7, False, 4, 3)
     assert (other.state_name, other.before_name, other.late, other.start) == ("release", "gross", True, False)
+    classes = [(one.ticks, one.label, one.before, one.votes) for one in of(found, "/tactile/class")]
+    assert classes == [(4530, 3, 65535, 131_069), (4540, 1, 3, 70_000)]
     assert of(found, "/tactile/states")[0].states == bytes([1, 0, 3])
     assert of(found, "/tactile/statistics")[0].name == "time-outs"
 
@@ -313,6 +317,7 @@ OLD = (  # topic, names of the columns, a row
     ("state", "ticks,channel,state,before,p2p,late,start", [40, 1, 2, 1, 70, 0, 1]),
     ("state", "ticks,channel,state,before,p2p,late,start", [50, 1, 4, 2, 60, 1, 0]),
     ("states", "ticks,first,state0,state1", [55, 3, 1, 4]),
+    ("class", "ticks,label,before,votes", [57, 3, 65535, 8]),
     ("health", "ticks,taxel,faults", [60, 5, 4]),
     ("statistics", "ticks,index,value", [70, 2, 9]),
 )
@@ -355,6 +360,7 @@ def test_a_log_from_before_the_typed_messages_is_read(tmp_path):
         **{"cop_x": [-3], "cop_y": [16384], "cop_load": [99], "image_number": [8], "slip_p2p": [70]},
         **{"change_state": [2, 4], "change_before": [1, 2], "change_late": [False, True]},
         **{"state_channel": [3, 4], "state_state": [1, 4], "health_taxel": [5], "statistics_value": [9]},
+        **{"class_label": [3], "class_before": [65535], "class_votes": [8]},
         **{"gap_reason": ["out"], "gap_seconds": [2.5], "reset_min_load": [6], "change_start": [True, False]},
     }
     assert {name: found[name].tolist() for name in wanted} == wanted

@@ -47,7 +47,7 @@ FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress le
 _FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float, "min_load": int}
 _FACTS |= {counter.name: type(counter.default) for counter in fields(Counts)}
 
-ADDED = ("reset_", "change_", "state_")  # arrays that earlier logs do not have
+ADDED = ("reset_", "change_", "state_", "class_")  # arrays that earlier logs do not have
 
 PARTIAL: Arrays = {"partial": np.asarray(True)}
 

@@ -13,6 +13,7 @@ from meissner.host import packets
 from meissner.host.core import Core
 from meissner.host.ros import DIAGNOSE_NS, TOPICS, Converter, Message, definition, full_name, serialised
 from meissner.host.unfinished_log import UnfinishedLog
+from meissner.twins.link.packet import NO_CLASS
 
 Found = dict[str, str] | tuple[str, int, Any]  # facts, or topic, ns and message
 
@@ -195,6 +196,9 @@ def _item(
     if kind == "states":
         older = (value for name, value in values.items() if name[5:].isdecimal())
         return packets.States(ticks, None, values["first"], tuple(values.get("states", older)))
+    if kind == "class":
+        before = None if values["before"] == NO_CLASS else values["before"]
+        return packets.ClassChange(ticks, None, values["label"], before, values["votes"])
     if kind == "health":
         return packets.Health(ticks, None, values["taxel"], values["faults"])
     if kind == "statistics":

@@ -14,6 +14,7 @@ from meissner.host import packets
 from meissner.host.core import Core, Counts
 from meissner.host.view import state_name
 from meissner.twins.core import OF_LOAD
+from meissner.twins.link.packet import NO_CLASS
 from meissner.twins.slip.slip import State
 
 FRAME_ID = "tactile"  # origin in the array's middle, x to the right, y up, z out of the surface
@@ -26,6 +27,7 @@ TOPICS = {
     "/tactile/slip": "meissner_msgs/SlipEvent",
     "/tactile/state": "meissner_msgs/SlipEvent",
     "/tactile/states": "meissner_msgs/ChannelStates",
+    "/tactile/class": "meissner_msgs/ClassChange",
     "/tactile/health": "meissner_msgs/TaxelHealth",
     "/tactile/statistics": "meissner_msgs/CoreCounter",
     "/tactile/gap": "meissner_msgs/LineGap",
@@ -261,6 +263,10 @@ class Converter:
         elif isinstance(item, packets.States):
             given = {"first": item.first, "states": bytes(map(int, item.states))}
             yield "/tactile/states", Message(header=header, ticks=item.time, **given)
+        elif isinstance(item, packets.ClassChange):
+            before = NO_CLASS if item.before is None else item.before
+            given = {"label": item.label, "before": before, "votes": item.votes}
+            yield "/tactile/class", Message(header=header, ticks=item.time, **given)
         elif isinstance(item, packets.Health):
             self._faults[item.taxel] = item.faults
             given = {"taxel": item.taxel, "faults": item.faults}
