@@ -258,6 +258,27 @@ def _host(commands):
     _out(log, "FILE", "a .mcap or a .npz file", required=True)
     log.set_defaults(call="meissner.host.commands:log")
 
+    bridge = commands.add_parser("bridge", help="a core's packets as ROS 2 messages, live, without ROS")
+    to = bridge.add_subparsers(dest="to", required=True, metavar="TO")
+    dds = to.add_parser(
+        "dds",
+        help="to DDS topics that ROS 2 nodes see; experimental (docs/ros2.md)",
+        epilog="example: meissner bridge dds sim:",
+    )
+    _line_arguments(dds)
+    dds.add_argument("--domain", type=int, default=0, metavar="N", help="DDS domain, as ROS_DOMAIN_ID (0)")
+    dds.set_defaults(call="meissner.host.commands:bridge_dds")
+    foxglove = to.add_parser(
+        "foxglove",
+        help="to Foxglove or Lichtblick, thresholds as parameters (docs/ros2.md)",
+        epilog="example: meissner bridge foxglove sim:",
+    )
+    _line_arguments(foxglove)
+    foxglove.add_argument(
+        "--listen-on", default="127.0.0.1:8765", metavar="HOST:PORT", help="of the server (127.0.0.1:8765)"
+    )
+    foxglove.set_defaults(call="meissner.host.commands:bridge_foxglove")
+
     replay = commands.add_parser(
         "replay",
         help="compare an engine's results for a log's images with the core's own: replay LOG --out OUT.npz",
@@ -487,7 +508,7 @@ def _threshold(commands):
     parser = commands.add_parser(
         "threshold",
         help="thresholds from a quiet hold, and from slips, with the rate of false alarms they promise",
-        example="threshold QUIET.csv SLIP.csv --config slip1 --out THRESHOLD.png",
+        example="threshold QUIET.csv SLIP.csv --config slip1 --per-hour 9 --out THRESHOLD.png",
     )
     parser.add_argument("input", metavar="QUIET", help="a hold in which nothing slips; " + RECORDING)
     parser.add_argument("slips", metavar="SLIP", nargs="?", help="a recording with slips, of the same form")
