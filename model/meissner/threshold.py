@@ -141,11 +141,7 @@ def fit(largest, window_s):
         count = len(largest) // size
         if count < LEAST_BLOCKS:
             need = LEAST_BLOCKS * size * window_s
-            why = (
-                ""
-                if size == LEAST_WINDOWS
-                else f" (noise correlated over {size * window_s / 2:.3g} s)"
-            )
+            why = "" if size == LEAST_WINDOWS else f" (noise correlated over {size * window_s / 2:.3g} s)"
             raise ValueError(
                 f"{len(largest) * window_s:.3g} s of hold{why} are too short to promise anything: "
                 f"{need:.3g} s or more are needed"
