@@ -13,7 +13,7 @@ from forest import recorded
 from forest.test_words import model
 from meissner.budget import forest as budget
 from meissner.cli import main
-from meissner.forest import cost, file
+from meissner.forest import cost, file, rows
 from meissner.forest.reduce import Reducer
 
 LEAVES = [[0, 65535], [21554, 43981], [65277, 258]]
@@ -175,10 +175,11 @@ def test_refused(wine, capsys, name, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     "text, says",
     [
-        ("a,label\n1,2\n", "header must be"),
+        ("a,label\n1,2\n", "need 13 columns, not 1"),
+        ("x0,label\n1,2\n", "the feature x1 is missing"),
         ("{head}\n1,2\n", "line 2: 2 values are not 14"),
-        ("{head}\n" + "x," * 13 + "red\n", "could not convert"),
-        ("{head}\n", "do not fit"),
+        ("{head}\n" + "x," * 13 + "red\n", "row 0: x0 = 'x' is not a number"),
+        ("{head}\n", "must have the shape"),
         ("{head}\n" + "1," * 13 + "green\n", "no label of the data"),
     ],
 )
@@ -186,13 +187,22 @@ def test_labelled_rows_that_do_not_fit(wine, tmp_path, text, says):
     names = [each.name for each in wine[1].model.features]
     (tmp_path / "rows.csv").write_text(text.replace("{head}", ",".join([*names, "label"])))
     with pytest.raises(ValueError, match=says):
-        budget.Compared(wine[1], *budget.read_rows(tmp_path / "rows.csv", names))
+        budget.Compared(wine[1], *rows.read(tmp_path / "rows.csv", names, labelled=True)[:2])
+
+
+def test_labels_without_a_header(tmp_path):
+    (tmp_path / "rows.csv").write_text("1,2,red\n3,,blue\n")
+    found = rows.read(tmp_path / "rows.csv", ["a", "b"], labelled=True)
+    assert np.array_equal(found.x, [[1, 2], [3, np.nan]], equal_nan=True) and found.y.tolist() == [
+        "red",
+        "blue",
+    ]
 
 
 def test_two_arrays_are_needed(wine, tmp_path):
     np.savez(tmp_path / "rows.npz", x=np.zeros((2, 13)))
     with pytest.raises(ValueError, match="no array y"):
-        budget.read_rows(tmp_path / "rows.npz", [])
+        rows.read(tmp_path / "rows.npz", [], labelled=True)
 
 
 def best(source, label, board):

@@ -1,21 +1,20 @@
 """``meissner forest-budget``: what a forest needs of each board, how long a decision takes, what a smaller
 one costs, and the best that fits (docs/forest.md, "Budget")."""
 
-import csv
 import json
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from meissner import files
 from meissner.builds.boards import BOARDS
 from meissner.forest import file, words
 from meissner.forest.cost import RESERVE, clocks, depths, needs, rams, word_bits
 from meissner.forest.forest import Forest
 from meissner.forest.place import lengths, place
 from meissner.forest.reduce import Reducer
-from meissner.terminal import plain
+from meissner.forest.rows import read
+from meissner.terminal import columns, plain
 from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 NODE_BITS = 64
@@ -97,47 +96,7 @@ def tell(found):
         need = f"{each['block_rams']} of {each['room']}" if "words" not in each else f"{each['words']} words"
         numbers = (*map(str, each["clocks"]), f"{each['mhz']:g}", *(f"{us:.1f}" for us in each["us"]))
         rows.append((each["memory"], need, *numbers, "fits" if each["fits"] else "too large"))
-    return [*text, *table(rows)]
-
-
-def table(rows):
-    """Lines of columns, numbers to the right."""
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    first = lambda row: row[0].ljust(widths[0])
-    rest = lambda row: (cell.rjust(width) for cell, width in zip(row[1:], widths[1:]))
-    return ["  ".join([first(row), *rest(row)]).rstrip() for row in rows]
-
-
-def read_rows(path, names):
-    """(x, y) of labelled rows: x and y of a .npz file, or a .csv file whose header names every feature and
-    whose last column is the label."""
-    path = files.check_in(path)
-    if path.suffix.lower() == ".npz":
-        given = files.read_arrays(path)
-        for name in ("x", "y"):
-            if name not in given:
-                raise ValueError(f"{path} has no array {name}; it must have x [rows, features] and y [rows]")
-        x, y = given["x"], given["y"]
-    elif path.suffix.lower() == ".csv":
-        with path.open(newline="", encoding="utf-8") as text:
-            lines = list(csv.reader(text))
-        if not lines or lines[0][:-1] != names:
-            raise ValueError(
-                f"{path}: its header must be {', '.join(names[:8])}{' ...' * (len(names) > 8)}, label"
-            )
-        for number, line in enumerate(lines[1:], start=2):
-            if len(line) != len(names) + 1:
-                raise ValueError(f"{path}, line {number}: {len(line)} values are not {len(names) + 1}")
-        try:
-            x = np.array([line[:-1] for line in lines[1:]], np.float64).reshape(-1, len(names))
-        except ValueError as problem:
-            raise ValueError(f"{path}: {problem}") from None
-        y = np.array([line[-1] for line in lines[1:]])
-    else:
-        raise ValueError(f"{path} must be a .npz or a .csv file")
-    if x.ndim != 2 or len(x) != len(y) or not len(x):
-        raise ValueError(f"{path}: {x.shape} features do not fit {y.shape} labels")
-    return x, y
+    return [*text, *columns(rows, numbers=True)]
 
 
 class Compared:
@@ -233,11 +192,11 @@ def command(arguments):
         raise ValueError("--out writes the forest that --fit finds")
     room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
     names = [feature.name for feature in forest.model.features]
-    x, y = read_rows(arguments.data, names) if arguments.data else (None, None)
+    x, y = read(arguments.data, names, labelled=True)[:2] if arguments.data else (None, None)
     found = budget(forest.model, walks(forest, x), engines, banks)
     if x is not None:
         compared = Compared(forest, x, y)
-        trained = read_rows(arguments.training, names)[0] if arguments.training else x[::2]
+        trained = read(arguments.training, names, labelled=True).x if arguments.training else x[::2]
         reducer = Reducer(forest, trained)
         found["distinct_subtrees"] = reducer.distinct()
         if not arguments.fit:
@@ -276,7 +235,7 @@ def command(arguments):
             (each["forest"], str(each["nodes"]), f"{each['accuracy']:.2%}", f"{each['same_class']:.2%}")
             for each in found["smaller"]
         ]
-        print("", *table(rows), sep="\n")
+        print("", *columns(rows, numbers=True), sep="\n")
     if "fit" in found:
         own = found["fit"]
         print(f"\nthe best of these kinds that fits {own['memory']}:")
