@@ -554,8 +554,8 @@ package msn_registers_pkg;
   {Forest,    10'h302, 5'd0,  6'd23, Status,   AtOnce,   Whole,  1'b0, 12'd264, 32'h0},  // nodes
   {Forest,    10'h303, 5'd0,  6'd17, Status,   AtOnce,   Whole,  1'b0, 12'd247, 32'h0},  // leaves
   {Forest,    10'h304, 5'd0,  6'd2,  Setting,  AtOnce,   Whole,  1'b0, 12'd193, 32'h540},  // target_kind
-  {Forest,    10'h304, 5'd8,  6'd6,  Setting,  AtOnce,   Whole,  1'b0, 12'd187, 32'h542},  // target_engine
-  {Forest,    10'h304, 5'd16, 6'd16, Setting,  AtOnce,   Whole,  1'b0, 12'd171, 32'h548},  // target_label
+  {Forest,    10'h304, 5'd2,  6'd6,  Setting,  AtOnce,   Whole,  1'b0, 12'd187, 32'h542},  // target_engine
+  {Forest,    10'h304, 5'd8,  6'd16, Setting,  AtOnce,   Whole,  1'b0, 12'd171, 32'h548},  // target_label
   {Forest,    10'h305, 5'd0,  6'd22, Setting,  AtOnce,   Whole,  1'b0, 12'd149, 32'h558},  // address
   {Forest,    10'h305, 5'd0,  6'd1,  Strobe,   AtOnce,   Whole,  1'b0, 12'd148, 32'h0},  // address_written
   {Forest,    10'h306, 5'd0,  6'd32, Setting,  AtOnce,   Whole,  1'b0, 12'd116, 32'h56e},  // high
@@ -570,7 +570,7 @@ package msn_registers_pkg;
   {Forest,    10'h30a, 5'd4,  6'd3,  Status,   AtOnce,   Whole,  1'b0, 12'd240, 32'h0},  // state_error
   {Forest,    10'h30b, 5'd0,  6'd32, Status,   AtOnce,   Whole,  1'b0, 12'd208, 32'h0},  // written
   {Forest,    10'h30c, 5'd0,  6'd22, Setting,  AtOnce,   Whole,  1'b1, 12'd59, 32'h5ae},  // feature
-  {Forest,    10'h30c, 5'd24, 6'd8,  Setting,  AtOnce,   Whole,  1'b0, 12'd51, 32'h5c4},  // feature_index
+  {Forest,    10'h30c, 5'd22, 6'd8,  Setting,  AtOnce,   Whole,  1'b0, 12'd51, 32'h5c4},  // feature_index
   {Forest,    10'h30c, 5'd0,  6'd1,  Strobe,   AtOnce,   Whole,  1'b0, 12'd50, 32'h0},  // feature_written
   {Forest,    10'h30d, 5'd0,  6'd1,  Command,  AtOnce,   Whole,  1'b0, 12'd49, 32'h0},  // start
   {Forest,    10'h30e, 5'd0,  6'd32, Setting,  AtOnce,   Whole,  1'b0, 12'd17, 32'h5cc},  // slip
