@@ -151,12 +151,12 @@ async def timed(dut, q):
     return asking.result(), clock
 
 
-def trained(rows=3546):
-    """400 trees with scikit-learn's defaults, and the rows that they were trained on."""
+def trained(trees=400, rows=3546):
+    """``trees`` trees with scikit-learn's defaults, and the rows that they were trained on."""
     from sklearn.ensemble import RandomForestClassifier
 
     x, y = windows(rows)
-    return meissner.Forest(RandomForestClassifier(400, random_state=1).fit(x, y)), x
+    return meissner.Forest(RandomForestClassifier(trees, random_state=1).fit(x, y)), x
 
 
 @bench.applies(lambda dut: (number(dut, "Features"), number(dut, "Banks")) == (54, 1), long=True)
@@ -180,13 +180,17 @@ async def time_to_load_400_trees(dut):
     assert 12 * nodes <= clocks <= 16 * nodes
 
 
-@bench.applies(lambda dut: (number(dut, "Features"), number(dut, "Banks")) == (54, 2))
+@bench.applies(
+    lambda dut, trees: (number(dut, "Features"), number(dut, "Banks")) == (54, 2),
+    long=lambda trees: trees == 400,
+)
 @cocotb.test(timeout_time=100, timeout_unit="ms")
-async def clocks_of_400_trees(dut):
+@cocotb.parametrize(trees=[50, 400])
+async def clocks_of_trees(dut, trees):
     """Trained with scikit-learn's defaults on 3546 rows; loaded into the part directly. Of 1000 rows that
     with the fewest nodes, the middle one and that with the most, alone and one after another."""
     model = await up(dut)
-    forest, x = trained()
+    forest, x = trained(trees)
     fresh, _ = windows(1000, seed=5)
     steps = forest.steps(fresh).sum(1)
     chosen = fresh[np.argsort(steps)[[0, 500, -1]]]
@@ -212,12 +216,18 @@ async def clocks_of_400_trees(dut):
 
 
 @pytest.mark.parametrize(
-    "features, classes, banks",
-    [(3, 3, 2), (4, 2, 1), (54, 2, 2), pytest.param(54, 2, 1, marks=pytest.mark.long)],
+    "features, classes, banks, without",
+    [
+        (3, 3, 2, "400"),
+        (4, 2, 1, "400"),
+        (54, 2, 2, "400"),
+        pytest.param(54, 2, 1, "none", marks=pytest.mark.long),
+        pytest.param(54, 2, 2, "none", marks=pytest.mark.long),
+    ],
 )
-def test_forest_sdram(features, classes, banks):
+def test_forest_sdram(features, classes, banks, without):
     given = {"Features": features, "Classes": classes, "Banks": banks, "PowerUpUs": 2}
-    bench.run("forest", "forest_sdram", given)
+    bench.run("forest", "forest_sdram", given, test_filter=f"^(?!.*trees={without})")
 
 
 EVIDENCE = {"equivalence": {"boxes": True}, "faults": {"none": "as sdram; msn_forest has its own"}}
