@@ -21,9 +21,10 @@ LAYERS = [
         "builds.toolchain",
     ),
     *("twins", "inputs", "physics", "readers", "calibration", "second_order", "fit_rubber"),
-    *("forest", "sense", "builds", "engines", "forest.forest", "forest.reduce", "forest.command"),
+    *("forest", "sense", "builds", "engines"),
+    *("forest.forest", "forest.reduce", "forest.command", "forest.process"),
     *("rope", "report", "scenes", "run"),
-    *("host", "budget", "tradeoff", "process", "threshold", "parser", "cli"),
+    *("host", "budget", "tradeoff", "process", "threshold", "parser", "completion", "cli"),
 ]
 
 

@@ -1,5 +1,6 @@
 """Reading and writing of users' files: complete or not at all, with one sentence for any failure."""
 
+import csv
 import errno
 import io
 import math
@@ -179,7 +180,9 @@ def _write_table(file, arrays):
     for name, array in arrays.items():
         several = {f"{name}_{channel}": row for channel, row in enumerate(array)} if array.ndim == 2 else {}
         columns |= several or {name: array}
-    file.write((",".join(columns) + "\r\n").encode("ascii"))
+    text = io.TextIOWrapper(file, "utf-8", newline="")
+    table = csv.writer(text)
+    table.writerow(columns)
     for row in zip(*(column.tolist() for column in columns.values()), strict=True):
-        cells = (str(int(cell) if isinstance(cell, bool) else cell) for cell in row)
-        file.write((",".join(cells) + "\r\n").encode("ascii"))
+        table.writerow(int(cell) if isinstance(cell, bool) else cell for cell in row)
+    text.detach()

@@ -144,7 +144,7 @@ def fit(largest, window_s):
             why = (
                 ""
                 if size == LEAST_WINDOWS
-                else f" with noise that is correlated over {size * window_s / 2:.3g} s"
+                else f" (noise correlated over {size * window_s / 2:.3g} s)"
             )
             raise ValueError(
                 f"{len(largest) * window_s:.3g} s of hold{why} are too short to promise anything: "

@@ -9,13 +9,26 @@ from typing import Any
 from meissner.builds import input_range
 from meissner.builds.features import FEATURES
 from meissner.builds.input_range import Sensed, Wiring
-from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
+from meissner.builds.keys import (
+    PARTS,
+    Adc,
+    Array,
+    ArrayAdc,
+    Channels,
+    Electrodes,
+    Health,
+    Link,
+    Nothing,
+    Tare,
+    Taxels,
+)
 from meissner.builds.settling import Settling
 from meissner.builds.units import Units
 from meissner.physics.adc import Adc as Converter
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, naming, values
 from meissner.twins.cop.cop_slip import CopSlipRegisters
+from meissner.twins.frontend.adc_single import AdcSingle
 from meissner.twins.frontend.adc_spi import AdcSpi, Part
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.link import cobs, packet
@@ -37,7 +50,7 @@ class Config:
     name: str
     about: str
     clk_khz: int
-    sensor: Channels | Taxels | Electrodes
+    sensor: Channels | Taxels | Electrodes | Nothing
     adc: Adc | ArrayAdc
     link: Link
     rate_hz: float
@@ -104,6 +117,42 @@ class Config:
         return round(1000 * self.clk_khz / exact(self.rate_hz))
 
     @property
+    def least_period(self) -> int:
+        """Clocks from a frame to the next one that converter and scan need."""
+        if self.array:
+            return self.scan.latency(self.settle_clocks)["frame"]
+        if self._single:
+            return AdcSingle(
+                0, self.clk_khz, self.adc.sclk_khz or 0, 1 << 24, self.sample_bits
+            ).minimum_period
+        return self.converter.safe_period()
+
+    @property
+    def _single(self) -> bool:
+        """Whether msn_adc_single reads the converter."""
+        return self.serial and self.adc.part == "MCP3208"
+
+    def most_rate_hz(self, least_period: int = 1) -> float:
+        """The greatest rate: of converter and scan, of a line that carries the CoP packet of every frame and
+        an image a second, and of ``least_period`` clocks at least."""
+        clocks = max(self.least_period, least_period)
+        if not isinstance(self.sensor, Channels):
+            room = Fraction(self.link.baud, 10) - (self._image_bytes if self.link.images else 0)
+            if room > 0:
+                clocks = max(clocks, floor(1000 * self.clk_khz * COP_BYTES / room) + 1)
+        return 1000 * self.clk_khz / clocks
+
+    @property
+    def _image_bytes(self) -> int:
+        rows, columns = self.shape
+        return sum(map(line_bytes, packet.image_chunks(0, [0] * (rows * columns))))
+
+    @property
+    def sampled(self) -> str:
+        """What ``rate_hz`` counts, in words."""
+        return "frames" if self.array else "samples of each channel"
+
+    @property
     def _array_adc(self) -> ArrayAdc:
         assert isinstance(self.adc, ArrayAdc)
         return self.adc
@@ -148,6 +197,11 @@ class Config:
         return self.input, self.sensor, self.sensor.wiring or ("pulled_up" if falls else "pulled_down")
 
     @property
+    def wiring(self) -> Wiring:
+        """How a sensor of channels or an array is wired."""
+        return self._sensed[2]
+
+    @property
     def rails(self) -> input_range.Rails:
         """The codes that mean a fault of a taxel or a finger."""
         return input_range.rails(*self._sensed)
@@ -175,6 +229,8 @@ class Config:
             level=self.slip.level if self.slip else 1,
             rate_hz=self.rate_hz,
         )
+        if isinstance(self.sensor, Nothing):
+            return replace(known, rate_hz=None)
         if self.array:
             known = replace(
                 known,
@@ -209,7 +265,7 @@ class Config:
                 found |= {f"health.{key}": code for key, code in self.rails._asdict().items()}
             if self.tare:
                 found |= {"tare.contact": values(self.tare)["contact_codes"], "tare.step": self.tare.step}
-        else:
+        elif not isinstance(self.sensor, Nothing):
             found |= {"adc.enable": 1, "adc.period": self.period_clocks}
         if self.slip:
             found |= {f"slip.{name}": value for name, value in self.slip.settings.items()}
@@ -227,7 +283,8 @@ class Config:
     def parameters(self) -> dict[str, int]:
         """Parameters of rtl/msn_core.sv: {name: value}."""
         array, slip, link = self.array, self.slip, self.link
-        found = {"Adc": self.part.number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc.sclk_khz or 0}
+        number = 0 if isinstance(self.sensor, Nothing) else self.part.number
+        found = {"Adc": number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc.sclk_khz or 0}
         found |= {"AdcLanes": self.adc.lanes, "BaudHz": link.baud}
         found |= {"ReadDuring": 1} if self.adc.read == "during" else {}
         if array:
@@ -244,39 +301,23 @@ class Config:
             found |= {"Level": slip.level, "Window": slip.window, "Hop": slip.hop}
             found |= {"TimerBits": self.timer_bits, "SampleBits": self.sample_bits}
         if self.serial:
-            found |= {"Serial": 1, "AdcPeriod": self.period_clocks if self.adc.part == "MCP3208" else 0}
+            found |= {"Serial": 1, "AdcPeriod": self.period_clocks if self._single else 0}
         if self.cop4:
             found |= {"Cop4": 1, "Correct": int(self.cop4.terms is not None)}
             found |= {"CopSlip": int(self.cop_slip is not None)}
             found |= {"Lag": self.cop_slip[0]} if self.cop_slip else {}
-        for name in self.features:
-            found |= FEATURES[name].PARAMETERS
+        for name, feature in self.features.items():
+            found |= FEATURES[name].PARAMETERS | getattr(feature, "parameters", {})
         found |= {"Registers": int(link.registers), "Statistics": int(link.statistics)}
         found |= {"SlipOnly": int(link.slip_only)}
         return found | {"Resets": reset_word(self.settings)}
 
     def check(self) -> "Config":
         """This Config; ValueError if its numbers do not fit together."""
-        self._codes_occur()
-        if self.array:
-            needed = self.scan.latency(self.settle_clocks)["frame"]
-            what = "a scan"
-        else:
-            needed = self.converter.safe_period()
-            what = "a conversion"
-        if self.period_clocks < needed:
-            most = 1000 * self.clk_khz / needed
-            raise ValueError(
-                f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, "
-                f"so at most {most:.0f} Hz"
-            )
-        longest = (1 << (32 if self.array else 24)) - 1
-        if self.period_clocks > longest:
-            least = 1000 * self.clk_khz / longest
-            raise ValueError(
-                f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
-                f"so at least {least:.3g} Hz"
-            )
+        if not isinstance(self.sensor, Nothing):
+            self._sensor_fits()
+        elif not self.features:
+            raise ValueError("[sensor]: kind = 'none' must go with [forest]")
         if self.array:
             with naming("[adc]"):
                 self.settling.check(self.settle_clocks)
@@ -314,6 +355,24 @@ class Config:
         reset_word(self.settings, self.widths)
         return self
 
+    def _sensor_fits(self) -> None:
+        """ValueError if the converter is too slow or too fast, or a level in codes does not occur."""
+        self._codes_occur()
+        needed, what = self.least_period, "a scan" if self.array else "a conversion"
+        if self.period_clocks < needed:
+            most = 1000 * self.clk_khz / needed
+            raise ValueError(
+                f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, "
+                f"so at most {most:.0f} Hz"
+            )
+        longest = (1 << (32 if self.array else 24)) - 1
+        if self.period_clocks > longest:
+            least = 1000 * self.clk_khz / longest
+            raise ValueError(
+                f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
+                f"so at least {least:.3g} Hz"
+            )
+
     def _codes_occur(self) -> None:
         """ValueError for a level in codes that no sample of this sensor reaches, or that undoes another."""
         span, above = self.input.max_code - self.input.min_code, 0
@@ -344,9 +403,8 @@ class Config:
 
     def _images_pass(self) -> None:
         """ValueError if the line has no capacity for one image per second in addition to all CoP frames."""
-        room = self.link.baud / 10 - self.rate_hz * line_bytes(packet.cop_frame(0, 0, 0, 0))
-        rows, columns = self.shape
-        image = sum(map(line_bytes, packet.image_chunks(0, [0] * (rows * columns))))
+        room = self.link.baud / 10 - self.rate_hz * COP_BYTES
+        image = self._image_bytes
         if room < image:
             needed = ceil(10 * (image + self.link.baud / 10 - room))
             raise ValueError(
@@ -358,6 +416,9 @@ class Config:
 def line_bytes(payload: bytes) -> int:
     """Bytes on the line for a packet with this payload."""
     return len(cobs.encode(packet.packet(0, 0, 0, payload)))
+
+
+COP_BYTES = line_bytes(packet.cop_frame(0, 0, 0, 0))
 
 
 def verilog(parameters: dict[str, int]) -> dict[str, str]:

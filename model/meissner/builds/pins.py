@@ -25,7 +25,8 @@ class Description:
     """A board's pins. ``leds``: {port: {"pin": its pin, "shows": an expression of the top's signals}};
     ``headers``: {label: pin}, in the order of assignment; ``prefer``: {role: labels}; ``onboard``: lines of
     its own converter; ``sdram``: {line of rtl/forest/msn_sdram.sv: pin, or pins from bit 0 on};
-    ``pulls``: {role: pull}; ``inverted``: inputs that idle high on this board.
+    ``pulls``: {role: pull}; ``inverted``: inputs that idle high on this board; ``usb``: how it is loaded and
+    where its serial line appears; ``power``: {supply: where it is}.
     """
 
     name: str
@@ -36,6 +37,8 @@ class Description:
     headers: dict[str, str]
     prefer: dict[str, list[str]]
     pulls: dict[str, str]
+    usb: dict[str, Any]
+    power: dict[str, str]
     onboard: dict[str, Any] = field(default_factory=dict)
     sdram: dict[str, Any] = field(default_factory=dict)
     inverted: tuple[str, ...] = ()
@@ -101,6 +104,10 @@ class Port:
         return self.port.endswith("_i")
 
     @property
+    def direction(self) -> str:
+        return "in" if self.is_input else "inout" if self.port.endswith("_io") else "out"
+
+    @property
     def bits(self) -> list[tuple[str, str]]:
         """(name of the bit for place and route, its pin)."""
         if len(self.pins) == 1:
@@ -134,7 +141,7 @@ class Plan:
                 "port": name,
                 "pin": pin,
                 "at": port.at[k],
-                "direction": "in" if port.is_input else "out",
+                "direction": port.direction,
                 "pull": port.pull,
                 "what": port.what[k],
             }
@@ -184,18 +191,28 @@ def groups(parameters: dict[str, int]) -> int:
     return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * _inputs(parameters)))
 
 
-def columns(parameters: dict[str, int]) -> list[str]:
-    """A line for each converter of an array: the columns on its inputs, group by group (docs/scan.md)."""
+def places(parameters: dict[str, int]) -> list[list[list[int | None]]]:
+    """The column on each input of each converter of an array [converter][group][input], None: no column
+    (docs/scan.md)."""
     converters, inputs = parameters.get("Converters", 1), _inputs(parameters)
-    lines = []
-    for k in range(converters if parameters.get("Array") else 0):
-        places = [
-            [(group * inputs + channel) * converters + k for channel in range(inputs)]
+    return [
+        [
+            [
+                n if (n := (group * inputs + channel) * converters + k) < parameters["Columns"] else None
+                for channel in range(inputs)
+            ]
             for group in range(groups(parameters))
         ]
-        read = [[str(n) if n < parameters["Columns"] else "-" for n in group] for group in places]
-        told = " | ".join(" ".join(group) for group in read)
-        lines.append(f"converter {k}, inputs 0 to {inputs - 1}: columns {told}")
+        for k in range(converters if parameters.get("Array") else 0)
+    ]
+
+
+def columns(parameters: dict[str, int]) -> list[str]:
+    """A line for each converter of an array: the columns on its inputs, group by group."""
+    lines = []
+    for k, read in enumerate(places(parameters)):
+        told = " | ".join(" ".join("-" if n is None else str(n) for n in group) for group in read)
+        lines.append(f"converter {k}, inputs 0 to {len(read[0]) - 1}: columns {told}")
     return lines
 
 
@@ -212,6 +229,8 @@ def needs(board: Description, parameters: dict[str, int], slip_pins: int = 0) ->
 
 def _lines(parameters: dict[str, int]) -> list[Need]:
     """The lines of the sensor."""
+    if not parameters["Adc"]:
+        return []
     part = PARTS[parameters["Adc"]]
     converters, lanes = parameters.get("Converters", 1), parameters.get("AdcLanes", 1)
     every = "the converter" if converters == 1 else f"all {converters} converters"
@@ -256,7 +275,7 @@ SHOWN = (
 
 def _onboard(board: Description, parameters: dict[str, int]) -> bool:
     """Whether the configuration reads the board's own converter."""
-    part = PARTS[parameters["Adc"]].name.upper()
+    part = PARTS[parameters["Adc"]].name.upper() if parameters["Adc"] else ""
     return part in board.onboard.get("parts", ()) and parameters.get("Converters", 1) == 1
 
 
@@ -265,8 +284,8 @@ def _own(role: str, port: str, pin: str, what: str, **more: Any) -> Port:
     return Port(role, port, (pin,), ("on the board",), (what,), **more)
 
 
-def _fixed(board: Description, used: bool) -> list[Port]:
-    """Ports of every configuration; ``used``: the board's own converter is in use."""
+def _fixed(board: Description, used: bool, sdram: bool) -> list[Port]:
+    """Ports of every configuration; ``used``: the board's own converter is in use; ``sdram``: its SDRAM."""
     clock, serial = board.clock, board.serial
     ports = [
         _own("clock", clock["port"], clock["pin"], f"{clock['mhz']:g} MHz", pull=clock.get("pull")),
@@ -274,6 +293,10 @@ def _fixed(board: Description, used: bool) -> list[Port]:
         _own("tx", "tx_o", serial["tx"], "serial line out"),
     ]
     ports += [_own("led", name, led["pin"], f"LED: {led['shows']}") for name, led in board.leds.items()]
+    for line, pins in board.sdram.items() if sdram else ():
+        every = (pins,) if isinstance(pins, str) else tuple(pins)
+        told = ("on the board",) * len(every), (f"{line} of the SDRAM",) * len(every)
+        ports.append(Port(f"sdram_{line}", f"sdram_{line}_{'io' if line == 'dq' else 'o'}", every, *told))
     for role, level in ({} if used else board.onboard.get("idle", {})).items():
         what = f"{role} of the board's own converter, which rests"
         ports.append(_own(role, f"onboard_{role}_o", board.onboard[role], what, idle=level))
@@ -304,7 +327,10 @@ def assign(board: Description, config: str, parameters: dict[str, int], slip_pin
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
         raise ValueError(f"the {board.name} can clock the core at {made} MHz but {config} needs {mhz:g} MHz")
     own = _onboard(board, parameters)
-    ports, wanted = _fixed(board, own), needs(board, parameters, slip_pins)
+    sdram = bool(parameters.get("ForestSdram"))
+    if sdram and not board.sdram:
+        raise ValueError(f"{config} has a forest in an SDRAM but the {board.name} has none that is described")
+    ports, wanted = _fixed(board, own, sdram), needs(board, parameters, slip_pins)
     got: dict[Need, list[str]] = {}
     used: set[str] = set()
     for need in list(wanted):
