@@ -29,7 +29,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,9 @@ from meissner.host.core import Core, Counts
 from meissner.host.table import COLUMNS, Facts, NpzLog, Table, read_rows
 from meissner.host.unfinished_log import UnfinishedLog, part_of
 from meissner.twins.link.packet import TIMES
+
+if TYPE_CHECKING:
+    from meissner.host.simulated import Trace
 
 FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress less
 
@@ -77,7 +80,7 @@ KINDS: dict[str, type[McapLog] | type[NpzLog]] = {".npz": NpzLog, ".mcap": McapL
 class Writer(Protocol):
     """Takes packets with their time in ns of UTC, and facts."""
 
-    def add(self, stamp_ns: int, item: packets.Item | packets.Reset, /) -> None: ...
+    def add(self, stamp_ns: int, item: Any, /) -> None: ...
 
     def tell(self, facts: Facts, /) -> None: ...
 
@@ -123,7 +126,7 @@ class Log:
         assert self._core.units.clk_khz
         return ticks * 10**6 // self._core.units.clk_khz
 
-    def _stamp(self, item: packets.Stamped) -> int:
+    def _stamp(self, item: "packets.Stamped | Trace") -> int:
         if self._boot not in (None, item.boot):
             self._reset(item.boot)
         self._boot = item.boot
@@ -141,7 +144,7 @@ class Log:
             least = self._min_load()
         self._writer.add(self._least_ns, packets.Reset(boot, least))
 
-    def add(self, item: packets.Item) -> None:
+    def add(self, item: "packets.Item | Trace") -> None:
         stamp = time.time_ns() if isinstance(item, packets.Gap) else self._stamp(item)
         self._newest_ns = max(self._newest_ns, stamp)
         self._writer.add(stamp, item)
