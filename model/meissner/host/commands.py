@@ -16,6 +16,7 @@ from meissner.terminal import plain
 
 if TYPE_CHECKING:
     from meissner.arrays import Arrays
+    from meissner.forest.file import Model
     from meissner.host import Core
     from meissner.host.packets import Item
     from meissner.host.view import View
@@ -41,11 +42,17 @@ def _connect(
         raise ValueError(f"seconds = {seconds:g} must be a number above 0")
     if clk_khz is not None and not 1000 <= clk_khz <= 200_000:
         raise ValueError(f"clk-khz = {clk_khz} must lie in 1000 .. 200000, the kilohertz of a core's clock")
-    known = baud = lines = None
+    known = baud = lines = model = None
     if arguments.calibration is not None:
         lines = calibration.load(arguments.calibration)
+    if arguments.forest is not None:
+        from meissner.forest import file
+
+        model = file.read(arguments.forest)
+    if lines is not None or model is not None:
         if registers is False:
-            raise ValueError("--calibration is written over the registers: omit --listen")
+            what = "calibration" if model is None else "forest"
+            raise ValueError(f"--{what} is written over the registers: omit --listen")
         registers = True
     if arguments.config is not None:
         build = config.load(arguments.config)
@@ -65,21 +72,33 @@ def _connect(
         told, own = getattr(known, name), getattr(core.units, name)
         if told != own:
             say(f"{arguments.config} does not match the core: its {name} is {told}, the core's is {own}")
-    if lines is not None:
-        _calibrate(core, lines, arguments.calibration, say)
+    try:
+        if lines is not None:
+            _calibrate(core, lines, arguments.calibration, say)
+        if model is not None:
+            _plant(core, model, arguments.forest, say)
+    except BaseException:
+        core.close()
+        raise
     return core
 
 
 def _calibrate(core: "Core", lines: calibration.Calibration, path: str, say: Callable[[str], object]) -> None:
     from meissner.host.load import check, load
 
-    try:
-        check(core, lines)
-        say(f"writing the calibration of {lines.dead.size} cells in {path} into the core, reading each back")
-        load(core, lines)
-    except BaseException:
-        core.close()
-        raise
+    check(core, lines)
+    say(f"writing the calibration of {lines.dead.size} cells in {path} into the core, reading each back")
+    load(core, lines)
+
+
+def _plant(core: "Core", model: "Model", path: str, say: Callable[[str], object]) -> None:
+    from meissner.forest import words
+    from meissner.host.forest import check, load
+
+    check(core, words.without_missing(model)[0])
+    say(f"writing the forest of {len(model.trees)} trees, {model.nodes} nodes, in {path} into the core")
+    load(core, model)
+    say("the core decides by this forest")
 
 
 def _amount(text: str) -> tuple[str, float] | None:

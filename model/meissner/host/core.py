@@ -325,7 +325,7 @@ class Core:
 
         Yields
         ------
-        SlipEvent, StateChange, States, CopFrame, Image, Health, Statistics or Gap
+        SlipEvent, StateChange, States, ClassChange, CopFrame, Image, Health, Statistics or Gap
         """
         end = None if seconds is None else time.monotonic() + seconds
         while True:

@@ -14,6 +14,7 @@ from meissner.builds.units import FRACTION_BITS, Units
 from meissner.files import arrays_of, written
 from meissner.host import packets
 from meissner.host.unfinished_log import UnfinishedLog
+from meissner.twins.link.packet import NO_CLASS
 from meissner.twins.slip.slip import State
 
 MAGIC = b"MSNROWS1"  # then blocks: 32-bit length, CRC-32, content (a .npz)
@@ -25,6 +26,7 @@ COLUMNS = {
         **{"late": "?", "start": "?"},
     },
     "state": {"time": "u8", "ns": "i8", "channel": "u2", "state": "u1"},
+    "class": {"time": "u8", "ns": "i8", "label": "u2", "before": "u2", "votes": "u4"},
     "cop": {"time": "u8", "ns": "i8", "x": "i4", "y": "i4", "load": "u8", "pressed": "?"},
     "image": {"time": "u8", "ns": "i8", "number": "u1"},
     "health": {"time": "u8", "ns": "i8", "taxel": "u4", "faults": "u1"},
@@ -36,6 +38,7 @@ _KINDS = {
     packets.SlipEvent: "slip",
     packets.StateChange: "change",
     packets.States: "state",
+    packets.ClassChange: "class",
     packets.CopFrame: "cop",
     packets.Image: "image",
     packets.Health: "health",
@@ -80,6 +83,8 @@ class Table:
                 self._row("state", time=item.time, ns=stamp_ns, channel=item.first + place, state=state)
             return
         given = vars(item) | {"ns": stamp_ns}
+        if isinstance(item, packets.ClassChange):
+            given["before"] = NO_CLASS if item.before is None else item.before
         if isinstance(item, packets.CopFrame):
             given |= {name: round(given[name] * (1 << FRACTION_BITS)) for name in ("x", "y")}
         self._row(kind, **START | given if kind == "change" else given)
