@@ -26,6 +26,8 @@ module msn_axis #(
   parameter  bit          CopSlip          = 1'b0,
   parameter  bit          Grip             = 1'b0,
   parameter  bit          ShearSpeed       = 1'b0,
+  parameter  bit          Forest           = 1'b0,
+  parameter  bit          ForestFrames     = 1'b1,
   parameter  bit          Statistics       = 1'b1,
   parameter  int unsigned Level            = 1,
   parameter  int unsigned Window           = 64,
@@ -36,6 +38,15 @@ module msn_axis #(
   parameter  int unsigned SlipDepth        = 64,
   parameter  int unsigned StatisticBits    = 22,
   parameter  int unsigned Chunk            = 64,
+  parameter  int unsigned ForestFeatures   = 54,
+  parameter  int unsigned ForestBits       = 18,
+  parameter  int unsigned ForestClasses    = 2,
+  parameter  int unsigned ForestTrees      = 64,
+  parameter  int unsigned ForestNodes      = 1024,
+  parameter  int unsigned ForestLeaves     = 256,
+  parameter  int unsigned ForestEngines    = 1,
+  parameter  int unsigned ForestBanks      = 2,
+  parameter  int unsigned ForestLanes      = 4,
   parameter  logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
   localparam int unsigned SampleBits       = 17,
   localparam int unsigned Wide             = Array ? Lanes : 1
@@ -122,6 +133,7 @@ module msn_axis #(
   logic [CoreRows-1:0] unused_row;
   logic [Wide-1:0]     unused_cs_n, unused_sclk, unused_mosi, unused_convst, unused_reset;
   logic                unused_group, unused_tx;
+  msn_pkg::sdram_t     unused_sdram;
   msn_pkg::verdict_t   unused_verdict;
   msn_pkg::decision_t  unused_decision;
   msn_core #(
@@ -129,8 +141,12 @@ module msn_axis #(
     .AdcChannels  ((CoreColumns + Wide - 1) / Wide),  // one group
     .ClkKhz(ClkKhz), .Array(Array), .Rows(CoreRows), .Columns(CoreColumns), .Channels(Channels),
     .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Slip(Slip), .Image(Image), .Cop4(Cop4),
-    .Correct(Correct), .CopSlip(CopSlip), .Grip(Grip), .ShearSpeed(ShearSpeed), .Statistics(Statistics),
-    .Uart(1'b0), .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2),
+    .Correct(Correct), .CopSlip(CopSlip), .Grip(Grip), .ShearSpeed(ShearSpeed), .Forest(Forest),
+    .ForestFrames(ForestFrames), .ForestFeatures(ForestFeatures), .ForestBits(ForestBits),
+    .ForestClasses(ForestClasses), .ForestTrees(ForestTrees), .ForestNodes(ForestNodes),
+    .ForestLeaves(ForestLeaves), .ForestEngines(ForestEngines), .ForestBanks(ForestBanks),
+    .ForestLanes(ForestLanes), .Statistics(Statistics), .Uart(1'b0),
+    .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2),
     .Lag(Lag), .SlipDepth(SlipDepth), .StatisticBits(StatisticBits), .Chunk(Chunk), .Resets(Resets)
   ) u_core (
     .clk_i, .rst_i,
@@ -141,7 +157,7 @@ module msn_axis #(
     .in_valid_i(s_axis_tvalid), .in_ready_o(ready), .in_data_i(samples), .in_id_i(id),
     .in_last_i(s_axis_tlast),
     .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o, .grip_word_o, .pwm_o,
-    .verdict_o(unused_verdict), .decision_o(unused_decision),
+    .sdram_o(unused_sdram), .sdram_dq_i('0), .verdict_o(unused_verdict), .decision_o(unused_decision),
     .rx_i(1'b1), .tx_o(unused_tx),
     .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),
     .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_rdata_o(bus_rdata),

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`.
 
-localparam int unsigned Fields = 174;
+localparam int unsigned Fields = 212;
 logic [Fields-1:0]    there, writable, written;
 logic [32*Fields-1:0] bits;
-localparam logic [11:0] Features = {ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
-localparam logic [Fields-1:0] Waiting = 174'h3e1fffffe80800307fc027f800000;
+localparam logic [12:0] Features = {Forest, ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
+localparam logic [Fields-1:0] Waiting = 212'h3e1fffffe80800307fc027f800000;
 `CONSTANT(0, 1'b1, 10'h000, 0, 32, 1297305170)
 `CONSTANT(1, 1'b1, 10'h001, 0, 8, 0)
 `CONSTANT(2, 1'b1, 10'h001, 8, 8, 6)
@@ -182,3 +182,44 @@ localparam logic [Fields-1:0] Waiting = 174'h3e1fffffe80800307fc027f800000;
 `STATUS(171, ShearSpeed, 10'h2d6, 0, 26, shear_speed_vi, shear_speed.vi)
 `STATUS(172, ShearSpeed, 10'h2d7, 0, 27, shear_speed_rise, shear_speed.rise)
 `STATUS(173, ShearSpeed, 10'h2d8, 0, 32, shear_speed_windows, shear_speed.windows)
+`STATUS(174, Forest, 10'h300, 0, 9, forest_size_features, forest.size_features)
+`STATUS(175, Forest, 10'h300, 9, 5, forest_size_bits, forest.size_bits)
+`STATUS(176, Forest, 10'h300, 14, 7, forest_size_engines, forest.size_engines)
+`STATUS(177, Forest, 10'h300, 21, 2, forest_size_banks, forest.size_banks)
+`STATUS(178, Forest, 10'h300, 23, 1, forest_size_frames, forest.size_frames)
+`STATUS(179, Forest, 10'h301, 0, 16, forest_room_trees, forest.room_trees)
+`STATUS(180, Forest, 10'h301, 16, 16, forest_room_classes, forest.room_classes)
+`STATUS(181, Forest, 10'h302, 0, 23, forest_nodes, forest.nodes)
+`STATUS(182, Forest, 10'h303, 0, 17, forest_leaves, forest.leaves)
+`SETTING(183, Forest, 10'h304, 0, 2, 1344, forest_target_kind, forest.target_kind, 0, 2, 0, 1'b1)
+`SETTING(184, Forest, 10'h304, 8, 6, 1346, forest_target_engine, forest.target_engine, 0, 6, 0, 1'b1)
+`SETTING(185, Forest, 10'h304, 16, 16, 1352, forest_target_label, forest.target_label, 0, 16, 0, 1'b1)
+`SETTING(186, Forest, 10'h305, 0, 22, 1368, forest_address, forest.address, 0, 22, 0, 1'b1)
+`WRITTEN(Forest, 10'h305, 0, forest_address, forest.address_written)
+`SETTING(187, Forest, 10'h306, 0, 32, 1390, forest_high, forest.high, 0, 32, 0, 1'b1)
+`SETTING(188, Forest, 10'h307, 0, 32, 1422, forest_data, forest.data, 0, 32, 0, 1'b1)
+`WRITTEN(Forest, 10'h307, 0, forest_data, forest.data_written)
+`COMMAND(189, Forest, 10'h308, 0, forest_clear, forest.clear)
+`COMMAND(190, Forest, 10'h309, 0, forest_swap, forest.swap)
+`STATUS(191, Forest, 10'h30a, 0, 1, forest_state_loaded, forest.state_loaded)
+`STATUS(192, Forest, 10'h30a, 1, 1, forest_state_waits, forest.state_waits)
+`STATUS(193, Forest, 10'h30a, 2, 1, forest_state_swapping, forest.state_swapping)
+`STATUS(194, Forest, 10'h30a, 3, 1, forest_state_refused, forest.state_refused)
+`STATUS(195, Forest, 10'h30a, 4, 3, forest_state_error, forest.state_error)
+`STATUS(196, Forest, 10'h30b, 0, 32, forest_written, forest.written)
+`SETTING(197, Forest, 10'h30c, 0, 22, 1454, forest_feature, forest.feature, 0, 22, 1, 1'b1)
+`SETTING(198, Forest, 10'h30c, 24, 8, 1476, forest_feature_index, forest.feature_index, 0, 8, 0, 1'b1)
+`WRITTEN(Forest, 10'h30c, 0, forest_feature, forest.feature_written)
+`COMMAND(199, Forest, 10'h30d, 0, forest_start, forest.start)
+`SETTING(200, Forest, 10'h30e, 0, 32, 1484, forest_slip, forest.slip, 0, 32, 0, 1'b1)
+`SETTING(201, Forest, 10'h30f, 0, 1, 1516, forest_grip, forest.grip, 0, 1, 0, 1'b1)
+`STATUS(202, Forest, 10'h310, 0, 16, forest_label, forest.label)
+`STATUS(203, Forest, 10'h311, 0, 32, forest_best, forest.best)
+`SETTING(204, Forest, 10'h312, 0, 16, 1517, forest_select, forest.select, 0, 16, 0, 1'b1)
+`STATUS(205, Forest, 10'h313, 0, 32, forest_votes, forest.votes)
+`STATUS(206, Forest, 10'h314, 0, 32, forest_decisions, forest.decisions)
+`STATUS(207, Forest, 10'h315, 0, 32, forest_changes, forest.changes)
+`STATUS(208, Forest, 10'h316, 0, 16, forest_missed, forest.missed)
+`STATUS(209, Forest, 10'h317, 0, 16, forest_absent, forest.absent)
+`STATUS(210, Forest, 10'h318, 0, 16, forest_late, forest.late)
+`STATUS(211, Forest, 10'h319, 0, 16, forest_broken, forest.broken)

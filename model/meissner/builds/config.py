@@ -49,6 +49,9 @@ def tables(
     for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
         if value is not None and isinstance(found.get(table), dict):
             found[table] = found[table] | {key: value}
+    forest = found.get("forest")
+    if isinstance(forest, dict) and isinstance(forest.get("file"), str):
+        found["forest"] = forest | {"file": str(_path(name).parent / forest["file"])}
     return found
 
 
@@ -112,16 +115,17 @@ def read(name: str, tables: dict[str, Any]) -> Config:
 
 def _read(name: str, file: Any, fastest: bool) -> Config:
     """``file``: one of keys.FILES; ``fastest``: at the greatest rate, whatever the file's is."""
-    part, clk_khz = keys.PARTS[file.adc.part], round(1000 * file.clock.mhz)
-    sclk_khz = file.adc.sclk_khz or part.sclk_default_khz
+    adc = getattr(file, "adc", keys.UNUSED)
+    part, clk_khz = keys.PARTS[adc.part], round(1000 * file.clock.mhz)
+    sclk_khz = adc.sclk_khz or part.sclk_default_khz
     base = Config(
         name=name,
         about=file.about,
         clk_khz=clk_khz,
         sensor=file.sensor,
-        adc=msgspec.structs.replace(file.adc, sclk_khz=sclk_khz),
+        adc=msgspec.structs.replace(adc, sclk_khz=sclk_khz),
         link=file.link,
-        rate_hz=file.adc.rate_hz,
+        rate_hz=adc.rate_hz,
         serial=bool(getattr(getattr(file, "slip", None), "serial", False)),
         array=getattr(file, "array", None),
     )
@@ -143,14 +147,14 @@ def _read(name: str, file: Any, fastest: bool) -> Config:
             if array.tare
             else None,
         )
-    else:
+    elif not isinstance(file, keys.NothingFile):
         with naming("[adc]"):
-            AdcSpi(part, base.channels, file.adc.lanes, clk_khz, sclk_khz)
+            AdcSpi(part, base.channels, adc.lanes, clk_khz, sclk_khz)
     if isinstance(file, keys.ElectrodesFile):
         bits, mesh, load = part.data_bits, file.mesh, file.load
         converter = four_wires.Converter(
             bits=bits,
-            reference_v=file.adc.volts,
+            reference_v=adc.volts,
             gain=load.gain,
             difference_gain=load.difference_gain,
         )
@@ -159,8 +163,7 @@ def _read(name: str, file: Any, fastest: bool) -> Config:
         if file.cop_slip:
             with naming("[cop_slip]"):
                 base = replace(base, cop_slip=file.cop_slip.codes(base.rate_hz, cop4.load_lsb_n))
-        return base.check()
-    if file.slip:
+    if getattr(file, "slip", None):
         with naming("[slip]"):
             base = replace(base, slip=file.slip.codes(base.units))
     features = {}
@@ -204,7 +207,9 @@ def command_check(arguments: Namespace) -> None:
 def command_show(arguments: Namespace) -> None:
     config = load(arguments.file)
     print(f"{plain(config.name)}: {plain(config.about)}")
-    print(f"{config.rate_hz:.7g} {config.sampled} a second\n\nparameters of msn_core")
+    if config.units.rate_hz:
+        print(f"{config.rate_hz:.7g} {config.sampled} a second")
+    print("\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")
     print("\nregisters after reset")

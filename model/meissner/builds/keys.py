@@ -54,10 +54,19 @@ class Electrodes(Table, frozen=True):
     kind: Literal["electrodes"]
 
 
+class Nothing(Table, frozen=True):
+    """[sensor] of a build without one: a forest for rows from a host."""
+
+    kind: Literal["none"]
+
+
 class Adc(ReadBy, frozen=True, kw_only=True):
     """[adc]."""
 
     rate_hz: Positive
+
+
+UNUSED = Adc(part="MCP3208", volts=5.0, rate_hz=1.0)  # of a build without a sensor
 
 
 class ArrayAdc(Scanning, frozen=True, kw_only=True):
@@ -172,16 +181,28 @@ class ElectrodesFile(File, frozen=True, kw_only=True):
 
 
 class ChannelsFile(File, frozen=True, kw_only=True):
-    """A build of single sensors; the features' tables are added below."""
+    """A build of single sensors."""
 
     sensor: Channels
     adc: Adc
     slip: SlipVolts
 
 
-_features: list[Any] = [(name, feature.Keys | None, None) for name, feature in FEATURES.items()]
+class NothingFile(File, frozen=True, kw_only=True):
+    """A build without a sensor."""
+
+    sensor: Nothing
+
+
+def _with(file: Any, *names: str) -> Any:
+    """``file`` with the tables of these features."""
+    tables: list[Any] = [(name, FEATURES[name].Keys | None, None) for name in names]
+    return msgspec.defstruct(f"Own{file.__name__}", tables, bases=(file,), kw_only=True, frozen=True)
+
+
 FILES: dict[str, Any] = {
-    "channels": msgspec.defstruct("OwnFile", _features, bases=(ChannelsFile,), kw_only=True, frozen=True),
-    "array": ArrayFile,
-    "electrodes": ElectrodesFile,
+    "channels": _with(ChannelsFile, *FEATURES),
+    "array": _with(ArrayFile, "forest", "grip"),
+    "electrodes": _with(ElectrodesFile, "forest"),
+    "none": _with(NothingFile, "forest"),
 }
