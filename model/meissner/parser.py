@@ -155,7 +155,7 @@ def _process(commands):
     slip = parts.add_parser(
         "slip",
         help="slip per window from samples [samples] or [channels, samples]",
-        example="process slip own.csv --config mine.toml --out OUT.npz",
+        example="process slip IN.npy --rate 10000 --threshold 40 --out SLIP.npz",
     )
     slip.add_argument("input", metavar="IN", help=RECORDING)
     _slip_settings(slip, threshold=True)
@@ -168,7 +168,11 @@ def _process(commands):
     _out(slip, "OUT.npz", "output file, .npz or .csv", required=True)
     slip.set_defaults(call="meissner.process:slip")
 
-    cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]", example="process cop FRAMES.npy --out COP.npz")
+    cop = parts.add_parser(
+        "cop",
+        help="centre of pressure and load from forces [frames, rows, columns]",
+        example="process cop FRAMES.npy --out COP.npz",
+    )
     cop.add_argument("input", metavar="IN", help="forces, 0 to 65535; codes with --calibration; " + RECORDING)
     _reading(cop, shape=True)
     cop.add_argument("--min-load", type=int, default=1, help="minimum sum of forces for a position (1)")
@@ -178,7 +182,11 @@ def _process(commands):
     _out(cop, "OUT.npz", "output file, .npz or .csv", required=True)
     cop.set_defaults(call="meissner.process:cop")
 
-    cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]", example="process cop4 E1_E4.npy --config cop4 --out COP4.npz")
+    cop4 = parts.add_parser(
+        "cop4",
+        help="centre of pressure and load from four electrodes [samples, 4]",
+        example="process cop4 E1_E4.npy --config cop4 --out COP4.npz",
+    )
     cop4.add_argument("input", metavar="IN", help="codes or volts of E1 to E4, a column each; " + RECORDING)
     _reading(cop4)
     cop4.add_argument(
@@ -189,11 +197,19 @@ def _process(commands):
     _out(cop4, "OUT.npz", "output file, .npz or .csv", required=True)
     cop4.set_defaults(call="meissner.process:cop4")
 
-    rope = parts.add_parser("rope", help="slip of each frame by a forest, from samples [samples, channels]", example="process rope ROPE.npy --forest F.json --out ROPE.npz")
+    rope = parts.add_parser(
+        "rope",
+        help="slip of each frame by a forest, from samples [samples, channels]",
+        example="process rope ROPE.npy --forest F.json --out ROPE.npz",
+    )
     rope.add_argument("input", metavar="IN", help="codes, a column for each channel; " + RECORDING)
     _reading(rope)
     rope.set_defaults(call="meissner.rope.process:rope")
-    forest = parts.add_parser("forest", help="class of each row of features [rows, features] by a forest", example="process forest ROWS.npy --forest F.json --out CLASSES.npz")
+    forest = parts.add_parser(
+        "forest",
+        help="class of each row of features [rows, features] by a forest",
+        example="process forest X.csv --forest F.json --out CLASSES.npz",
+    )
     forest.add_argument("input", metavar="X.npy", help="numbers; or .csv, columns by name if it has a header")
     forest.add_argument(
         "--single", action="store_true", help="also count the clocks of each row alone (rtl, gate)"
@@ -241,6 +257,27 @@ def _host(commands):
     _line_arguments(log)
     _out(log, "FILE", "a .mcap or a .npz file", required=True)
     log.set_defaults(call="meissner.host.commands:log")
+
+    bridge = commands.add_parser("bridge", help="a core's packets as ROS 2 messages, live, without ROS")
+    to = bridge.add_subparsers(dest="to", required=True, metavar="TO")
+    dds = to.add_parser(
+        "dds",
+        help="to DDS topics that ROS 2 nodes see; experimental (docs/ros2.md)",
+        epilog="example: meissner bridge dds sim:",
+    )
+    _line_arguments(dds)
+    dds.add_argument("--domain", type=int, default=0, metavar="N", help="DDS domain, as ROS_DOMAIN_ID (0)")
+    dds.set_defaults(call="meissner.host.commands:bridge_dds")
+    foxglove = to.add_parser(
+        "foxglove",
+        help="to Foxglove or Lichtblick, thresholds as parameters (docs/ros2.md)",
+        epilog="example: meissner bridge foxglove sim:",
+    )
+    _line_arguments(foxglove)
+    foxglove.add_argument(
+        "--listen-on", default="127.0.0.1:8765", metavar="HOST:PORT", help="of the server (127.0.0.1:8765)"
+    )
+    foxglove.set_defaults(call="meissner.host.commands:bridge_foxglove")
 
     replay = commands.add_parser(
         "replay",
@@ -377,7 +414,7 @@ def _tradeoff(commands):
     parser = commands.add_parser(
         "tradeoff",
         help="measure the cost of accuracy: sweeps, Pareto fronts, a report",
-        example="tradeoff --axis digits --quick --out results/tradeoff",
+        example="tradeoff --axis divider --quick --out results/tradeoff",
     )
     parser.add_argument("--list", action="store_true", help="the axes, one line each")
     parser.add_argument("--axis", action="append", metavar="NAME", help="only this axis; repeatable (all)")
@@ -428,7 +465,11 @@ def _choose(commands):
 
 
 def _calibrate(commands):
-    parser = commands.add_parser("calibrate", help="a straight line per cell from a press recording", example="calibrate PRESS.npz --out CAL.npz")
+    parser = commands.add_parser(
+        "calibrate",
+        help="a straight line per cell from a press recording",
+        example="calibrate PRESS.npz --out CAL.npz",
+    )
     parser.add_argument(
         "recording", metavar="RECORDING", help="arrays codes and force_n; or codes, or columns with one in N"
     )
@@ -467,7 +508,7 @@ def _threshold(commands):
     parser = commands.add_parser(
         "threshold",
         help="thresholds from a quiet hold, and from slips, with the rate of false alarms they promise",
-        example="threshold quiet.csv slip.csv --config mine.toml",
+        example="threshold QUIET.csv SLIP.csv --config slip1 --per-hour 9 --out THRESHOLD.png",
     )
     parser.add_argument("input", metavar="QUIET", help="a hold in which nothing slips; " + RECORDING)
     parser.add_argument("slips", metavar="SLIP", nargs="?", help="a recording with slips, of the same form")

@@ -54,16 +54,19 @@ def forest_rows(rng):
 def bench(tmp_path_factory):
     """A folder with every file that an example reads, as small as it may be."""
     folder, rng = tmp_path_factory.mktemp("bench"), np.random.default_rng(1)
-    hold = np.column_stack([np.arange(20_000) / 1e4, 2.5 + 2e-3 * rng.standard_normal((20_000, 2))])
-    for name in ("own", "quiet", "slip"):
-        np.savetxt(folder / f"{name}.csv", hold, "%.5f", ",", header="time (s),A (V),B (V)", comments="")
-        hold[5000:5400, 1:] += 0.2 * rng.standard_normal((400, 2))
+    np.save(folder / "IN.npy", rng.integers(0, 4096, 640))
     np.save(folder / "FRAMES.npy", rng.integers(0, 900, (3, 4, 5)))
     np.save(folder / "E1_E4.npy", rng.integers(100, 2000, (20, 4)))
     np.save(folder / "ROPE.npy", rng.integers(0, 4096, (60, 9)))
     force = np.arange(5.0)[:, None, None] * np.ones((2, 3))
     np.savez(folder / "PRESS.npz", codes=np.rint(100 + 300 * force).astype(int), force_n=force)
-    np.save(folder / "ROWS.npy", rng.integers(0, 4096, (5, 90)))
+    quiet = 2000 + rng.normal(0, 1, 80_000)
+    slips = quiet + 60 * (np.arange(80_000) // 2_000 % 2) * rng.normal(0, 1, 80_000)
+    for name, values in (("QUIET", quiet), ("SLIP", slips)):
+        rows = zip(np.arange(80_000) / 10_000, np.rint(values).astype(int))
+        lines = ["Time (s),A (code)", *(f"{time:.4f},{code}" for time, code in rows)]
+        (folder / f"{name}.csv").write_text("\n".join(lines))
+    np.savetxt(folder / "X.csv", rng.integers(0, 4096, (7, 90)), fmt="%d", delimiter=",")
     joblib.dump(forest_rows(rng), folder / "MODEL.joblib")
     steps = [(rest, (1.31 - 0.19 * rest) * v**0.17, v) for rest in (1.6, 2.5, 3.7) for v in (0.01, 0.4, 2.9)]
     lines = [",".join(STEPS), *(",".join(map(str, step)) for step in steps)]
@@ -82,8 +85,7 @@ def run(text, bench, monkeypatch, port):
     cli.main([port if word == PORT else word for word in shlex.split(text)])
 
 
-FIRST = ("export-forest",), ("log",), ("config", "new")  # what they write, others read
-ORDER = sorted(LEAVES, key=lambda path: (path not in FIRST, path))
+ORDER = sorted(LEAVES, key=lambda path: (path[0] not in ("export-forest", "log"), path))
 
 
 @pytest.mark.parametrize(

@@ -96,6 +96,8 @@ ALONE = {  # exit code and words of each command
     "regs no": (2, LINE),
     "live no": (2, LINE),
     "log no --out log.npz": (2, LINE),
+    "bridge dds no": (2, LINE),
+    "bridge foxglove no": (2, LINE),
     "replay no.mcap --out out.npz": (2, FILE),
     "tradeoff --list": (0, "quick  28"),
     "choose no": (2, "sensor"),

@@ -16,7 +16,7 @@ from meissner.names import DISTRIBUTION
 
 PACKAGE = Path(__file__).resolve().parents[1]
 CHECKOUT = (PACKAGE.parents[1] / "rtl/rtl.f").is_file()
-# The top of a checkout; else the package's folder with rtl/, constraints/ and host/ (setup.py).
+# The top of a checkout; else the package's folder with rtl/, constraints/, host/ and ros2/ (setup.py).
 ROOT = PACKAGE.parents[1] if CHECKOUT else PACKAGE / "sources"
 
 

@@ -160,6 +160,11 @@ class Core:
         return place
 
     @property
+    def interrupted(self) -> str:
+        """Why the line is interrupted now; "" if it is not."""
+        return self._reason if self._down is not None else ""
+
+    @property
     def ended(self) -> bool:
         """No more packets will come: the file has ended, or ``stop`` was called."""
         return self._ended and not self._waiting
