@@ -263,7 +263,7 @@ def _host(commands):
     dds = to.add_parser(
         "dds",
         help="to DDS topics that ROS 2 nodes see; experimental (docs/ros2.md)",
-        epilog="example: meissner bridge dds sim:",
+        example="bridge dds /dev/ttyUSB1 --seconds 2",
     )
     _line_arguments(dds)
     dds.add_argument("--domain", type=int, default=0, metavar="N", help="DDS domain, as ROS_DOMAIN_ID (0)")
@@ -271,7 +271,7 @@ def _host(commands):
     foxglove = to.add_parser(
         "foxglove",
         help="to Foxglove or Lichtblick, thresholds as parameters (docs/ros2.md)",
-        epilog="example: meissner bridge foxglove sim:",
+        example="bridge foxglove /dev/ttyUSB1 --seconds 2",
     )
     _line_arguments(foxglove)
     foxglove.add_argument(
