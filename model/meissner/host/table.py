@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meissner.arrays import Arrays
-from meissner.builds.units import FRACTION_BITS
+from meissner.builds.units import FRACTION_BITS, Units
 from meissner.files import arrays_of, written
 from meissner.host import packets
 from meissner.host.core import Core
@@ -127,7 +127,7 @@ class NpzLog:
 
     KIND = ".rows"
 
-    def __init__(self, spool: UnfinishedLog, core: Core) -> None:
+    def __init__(self, spool: UnfinishedLog, known: Units, core: Core | None = None) -> None:
         self.spool, self._table, self._told = spool, Table(), False
         self.add = self._table.add
         spool.write(MAGIC)
