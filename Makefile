@@ -16,7 +16,7 @@ export PYTHONUTF8 := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
+.PHONY: again help setup demo live picture test test-long lint registers blocks synth wiring resources gate gate-scenes fmax figures clean
 .PHONY: docs gallery wasm nightly extremes test-icarus
 
 help:  ## print this list
@@ -60,8 +60,12 @@ setup: $(SIM)  ## install the Python environment with all simulation tools in .v
 demo: $(SIM)  ## run the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo --overwrite
 
-picture: demo  ## update README's picture from the demo: docs/acrylic_slip.png
+live: $(SIM)  ## run the acrylic slip scene and show it in a browser while it runs: http://127.0.0.1:8642/
+	@$(BIN)/meissner run acrylic_slip --web
+
+picture: demo  ## update README's pictures: docs/acrylic_slip.png, and of the live page (needs Chromium)
 	@cp build/demo/acrylic_slip.png docs/
+	@PYTHONPATH=tb $(BIN)/python tools/published/live_page.py picture
 
 test:  ## run lint, the twins' tests and all cocotb regressions
 	@$(MAKE) --no-print-directory -j 2 $(FORMAL) lint
@@ -87,6 +91,9 @@ blocks: $(SIM)  ## write docs/blocks.md from the headers of the sources, and the
 
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
 	@$(BIN)/python tools/make/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))
+
+wiring: $(SIM)  ## draw how every named configuration is wired on every board: docs/wiring/
+	@$(BIN)/python tools/make/wiring.py
 
 resources: $(SYNTH)  ## constraints/resources.json: every board with every configuration, three seeds each
 	@$(BIN)/python tools/make/synth.py --record

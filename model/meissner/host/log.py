@@ -29,6 +29,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict, fields
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,11 +74,21 @@ class McapLog:
 KINDS: dict[str, type[McapLog] | type[NpzLog]] = {".npz": NpzLog, ".mcap": McapLog}
 
 
+class Writer(Protocol):
+    """Takes packets with their time in ns of UTC, and facts."""
+
+    def add(self, stamp_ns: int, item: packets.Item | packets.Reset, /) -> None: ...
+
+    def tell(self, facts: Facts, /) -> None: ...
+
+    def flush(self, facts: Facts, /) -> None: ...
+
+
 class Log:
     """``add`` packets of ``core`` to a ``writer``, one of the above, with their time in UTC
     (meissner.host.stamps)."""
 
-    def __init__(self, writer: McapLog | NpzLog, core: Core) -> None:
+    def __init__(self, writer: Writer, core: Core) -> None:
         self._writer, self._core, self._stamps = writer, core, Stamps(core)
         self.packets, self.kept, self._flushed_at = 0, 0, time.monotonic()
         self._facts: dict[str, int] = {}

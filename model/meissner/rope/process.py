@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meissner import engines, files
+from meissner import engines, files, readers
 from meissner.engines.features import function
 from meissner.forest import models
 from meissner.forest.process import decide as decide_rows
@@ -35,15 +35,15 @@ def rope(arguments):
     """``meissner process rope``."""
     engines.load(arguments.engine)
     model, own = models.either(arguments.forest, trust=arguments.trust)
-    codes = files.read_array(arguments.input)
-    if codes.ndim != 2:
-        raise ValueError(f"the samples must have the shape [samples, channels], not {codes.shape}")
-    x = engines.check_samples(codes if arguments.input.lower().endswith(".csv") else codes.T)
+    read = readers.read(arguments.input, arguments.column or (), unit=arguments.unit, samples_first=True)
+    codes, done = read.flat().scaled(arguments.volts_per_code)
+    x = engines.check_samples(codes)
     with files.results(arguments.out) as save:
         result, found = decide(x, model, arguments.engine, arguments.engines, own)
         save(result)
     rises = np.flatnonzero(np.diff(result["slip"].astype(int)) > 0) + 1
     first = f"first at sample {rises[0]}" if len(rises) else "none"
+    print(plain(f"{read.said}; {done}"))
     print(
         f"{x.shape[1]} samples of {len(x)} channels, slip in {int(result['slip'].sum())} ({first}); "
         f"{x.size / found.seconds:.3g} samples/s on engine {arguments.engine}"
