@@ -263,7 +263,7 @@ def _host(commands):
     dds = to.add_parser(
         "dds",
         help="to DDS topics that ROS 2 nodes see; experimental (docs/ros2.md)",
-        epilog="example: meissner bridge dds sim:",
+        example="bridge dds sim: --seconds 0.5",
     )
     _line_arguments(dds)
     dds.add_argument("--domain", type=int, default=0, metavar="N", help="DDS domain, as ROS_DOMAIN_ID (0)")
@@ -271,7 +271,7 @@ def _host(commands):
     foxglove = to.add_parser(
         "foxglove",
         help="to Foxglove or Lichtblick, thresholds as parameters (docs/ros2.md)",
-        epilog="example: meissner bridge foxglove sim:",
+        example="bridge foxglove sim: --seconds 0.5 --listen-on 127.0.0.1:8795",
     )
     _line_arguments(foxglove)
     foxglove.add_argument(
