@@ -35,6 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meissner.arrays import Arrays
+from meissner.builds.units import Units
 from meissner.files import FULL, check_in, read_arrays
 from meissner.files import check_out as check_name
 from meissner.host import mcap_file, packets
@@ -61,8 +62,8 @@ class McapLog:
 
     KIND = ".mcap"
 
-    def __init__(self, spool: UnfinishedLog, core: Core) -> None:
-        self._spool, self._writer = spool, mcap_file.Writer(spool, core)
+    def __init__(self, spool: UnfinishedLog, known: Units, core: Core | None = None) -> None:
+        self._spool, self._writer = spool, mcap_file.Writer(spool, known, core)
         self.add, self.tell = self._writer.add, self._writer.tell
 
     def flush(self, facts: Facts) -> None:
@@ -152,7 +153,7 @@ def recording(path: str | Path, core: Core) -> Iterator[Log]:
     make, out = KINDS[check_out(path)], check_name(path)
     spool, log = UnfinishedLog(out, make.KIND), None
     try:
-        writer = make(spool, core)
+        writer = make(spool, core.units, core)
         log = Log(writer, core)
         yield log
         log.flush()

@@ -168,7 +168,7 @@ class NpzLog:
 
     KIND = ".rows"
 
-    def __init__(self, spool: UnfinishedLog, core: Core) -> None:
+    def __init__(self, spool: UnfinishedLog, known: Units, core: Core | None = None) -> None:
         self.spool, self._table, self._told = spool, Table(), False
         self.add = self._table.add
         spool.write(MAGIC)
