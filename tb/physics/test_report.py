@@ -230,8 +230,8 @@ def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, undrawn, n
     column = r'<th scope="col" title="([^"]+)">([^<]+)</th>'
     for head in re.findall(r"<thead>(.*?)</thead>", text):
         assert len({short for _, short in re.findall(column, head)}) == len(re.findall(column, head)), head
-    for whole, column in re.findall(column, text):
-        name = column.rpartition(" (")[0] if column.endswith(")") else column
+    for whole, label in re.findall(column, text):
+        name = label.rpartition(" (")[0] if label.endswith(")") else label
         assert len(name.split()) <= 2 or name.endswith(" %"), (
             f"report_words.SHORT has no two words for {whole!r}"
         )
