@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`.
 
-localparam int unsigned Fields = 174;
+localparam int unsigned Fields = 201;
 logic [Fields-1:0]    there, writable, written;
 logic [32*Fields-1:0] bits;
-localparam logic [11:0] Features = {ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
-localparam logic [Fields-1:0] Waiting = 174'h3e1fffffe80800307fc027f800000;
+localparam logic [12:0] Features = {Display, ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
+localparam logic [Fields-1:0] Waiting = 201'h3e1fffffe80800307fc027f800000;
 `CONSTANT(0, 1'b1, 10'h000, 0, 32, 1297305170)
 `CONSTANT(1, 1'b1, 10'h001, 0, 8, 0)
-`CONSTANT(2, 1'b1, 10'h001, 8, 8, 6)
+`CONSTANT(2, 1'b1, 10'h001, 8, 8, 7)
 `CONSTANT(3, 1'b1, 10'h001, 16, 16, 0)
 `CONSTANT(4, 1'b1, 10'h002, 0, 32, Features)
 `STATUS(5, 1'b1, 10'h003, 0, 16, core_size_rows, core.size_rows)
@@ -182,3 +182,31 @@ localparam logic [Fields-1:0] Waiting = 174'h3e1fffffe80800307fc027f800000;
 `STATUS(171, ShearSpeed, 10'h2d6, 0, 26, shear_speed_vi, shear_speed.vi)
 `STATUS(172, ShearSpeed, 10'h2d7, 0, 27, shear_speed_rise, shear_speed.rise)
 `STATUS(173, ShearSpeed, 10'h2d8, 0, 32, shear_speed_windows, shear_speed.windows)
+`SETTING(174, Display, 10'h340, 0, 1, 1344, display_enable, display.enable, 0, 1, 0, 1'b1)
+`SETTING(175, Display, 10'h341, 0, 32, 1345, display_increment, display.increment, 0, 32, 0, 1'b1)
+`SETTING(176, Display, 10'h342, 0, 16, 1377, display_burst_period, display.burst_period, 0, 16, 0, 1'b1)
+`SETTING(177, Display, 10'h343, 0, 16, 1393, display_burst_on, display.burst_on, 0, 16, 0, 1'b1)
+`SETTING(178, Display, 10'h344, 0, 8, 1409, display_top, display.top, 0, 8, 0, 1'b1)
+`SETTING(179, Display, 10'h345, 0, 12, 1417, display_most, display.most, 0, 12, 0, 1'b0)
+`SETTING(180, Display, 10'h346, 0, 16, 1429, display_duty, display.duty, 0, 16, 0, 1'b0)
+`SETTING(181, Display, 10'h347, 0, 4, 1445, display_watchdog, display.watchdog, 0, 4, 0, 1'b0)
+`SETTING(182, Display, 10'h348, 0, 16, 1449, display_stop, display.stop, 0, 16, 0, 1'b0)
+`SETTING(183, Display, 10'h349, 0, 1, 1465, display_source, display.source, 0, 1, 0, 1'b1)
+`SETTING(184, Display, 10'h34a, 0, 16, 1466, display_floor, display.floor, 0, 16, 0, 1'b1)
+`SETTING(185, Display, 10'h34b, 0, 16, 1482, display_step, display.step, 0, 16, 0, 1'b1)
+`SETTING(186, Display, 10'h34c, 0, 1, 1498, display_marker, display.marker, 0, 1, 0, 1'b1)
+`SETTING(187, Display, 10'h34d, 0, 8, 1499, display_cue, display.cue, 0, 8, 0, 1'b1)
+`SETTING(188, Display, 10'h34e, 0, 3, 1507, display_octant, display.octant, 0, 3, 0, 1'b1)
+`SETTING(189, Display, 10'h34f, 0, 1, 1510, display_health, display.health, 0, 1, 0, 1'b1)
+`SETTING(190, Display, 10'h350, 0, 24, 1511, display_levels_next, display.levels_next, 0, 24, 0, 1'b1)
+`SETTING(191, Display, 10'h350, 24, 1, 1535, display_levels_last, display.levels_last, 0, 1, 0, 1'b1)
+`WRITTEN(Display, 10'h350, 24, display_levels, display.levels_written)
+`STATUS(192, Display, 10'h351, 0, 8, display_size_rows, display.size_rows)
+`STATUS(193, Display, 10'h351, 8, 8, display_size_columns, display.size_columns)
+`STATUS(194, Display, 10'h351, 16, 8, display_size_bits, display.size_bits)
+`STATUS(195, Display, 10'h352, 0, 1, display_state_running, display.state_running)
+`STATUS(196, Display, 10'h352, 1, 1, display_state_fault, display.state_fault)
+`STATUS(197, Display, 10'h352, 8, 12, display_state_pins, display.state_pins)
+`STATUS(198, Display, 10'h352, 20, 12, display_state_limited, display.state_limited)
+`STATUS(199, Display, 10'h353, 0, 32, display_dropped, display.dropped)
+`STATUS(200, Display, 10'h354, 0, 32, display_faults, display.faults)

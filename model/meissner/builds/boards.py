@@ -116,6 +116,7 @@ def sizes(parameters: dict[str, int], slip_pins: int = 0) -> dict[str, int]:
         "DATA_LINES": converters * parameters.get("AdcLanes", 1),
         "GROUP_BITS": max((pins.groups(parameters) - 1).bit_length(), 1),
     }
+    found |= {"PIN_CHAINS": parameters["PinChains"]} if parameters.get("Display") else {}
     return found | ({"SLIP_PINS": slip_pins} if slip_pins else {})
 
 

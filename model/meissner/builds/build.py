@@ -249,8 +249,8 @@ class Config:
             found |= {"Cop4": 1, "Correct": int(self.cop4.terms is not None)}
             found |= {"CopSlip": int(self.cop_slip is not None)}
             found |= {"Lag": self.cop_slip[0]} if self.cop_slip else {}
-        for name in self.features:
-            found |= FEATURES[name].PARAMETERS
+        for name, feature in self.features.items():
+            found |= FEATURES[name].PARAMETERS | getattr(feature, "parameters", {})
         found |= {"Registers": int(link.registers), "Statistics": int(link.statistics)}
         found |= {"SlipOnly": int(link.slip_only)}
         return found | {"Resets": reset_word(self.settings)}

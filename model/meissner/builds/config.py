@@ -142,8 +142,7 @@ def _read(name: str, file: Any) -> Config:
         if file.cop_slip:
             with naming("[cop_slip]"):
                 base = replace(base, cop_slip=file.cop_slip.codes(base.rate_hz, cop4.load_lsb_n))
-        return base.check()
-    if file.slip:
+    elif file.slip:
         with naming("[slip]"):
             base = replace(base, serial=file.slip.serial, slip=file.slip.codes(base.units))
     features = {}

@@ -172,16 +172,18 @@ class ElectrodesFile(File, frozen=True, kw_only=True):
 
 
 class ChannelsFile(File, frozen=True, kw_only=True):
-    """A build of single sensors; the features' tables are added below."""
+    """A build of single sensors."""
 
     sensor: Channels
     adc: Adc
     slip: SlipVolts
 
 
-_features: list[Any] = [(name, feature.Keys | None, None) for name, feature in FEATURES.items()]
-FILES: dict[str, Any] = {
-    "channels": msgspec.defstruct("OwnFile", _features, bases=(ChannelsFile,), kw_only=True, frozen=True),
-    "array": ArrayFile,
-    "electrodes": ElectrodesFile,
-}
+def _with_features(kind: str, base: type) -> Any:
+    """The file of that kind, with the tables of the features that its builds may have."""
+    own = [(name, f.Keys | None, None) for name, f in FEATURES.items() if kind in getattr(f, "KINDS", ("channels",))]
+    return msgspec.defstruct(base.__name__, own, bases=(base,), kw_only=True, frozen=True)
+
+
+_KINDS = {"channels": ChannelsFile, "array": ArrayFile, "electrodes": ElectrodesFile}
+FILES: dict[str, Any] = {kind: _with_features(kind, base) for kind, base in _KINDS.items()}

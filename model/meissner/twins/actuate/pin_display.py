@@ -1,12 +1,11 @@
-"""Twin of rtl/actuate/msn_pin_display.sv: which pins of a tactile display are driven in each drive period, and when
-each is high (docs/pin_display.md).
+"""Twin of rtl/actuate/msn_pin_display.sv and its parts, msn_pin_phase.sv, msn_pin_limits.sv and msn_pin_shift.sv:
+which pins of a tactile display are driven in each drive period, and when each is high (docs/pin_display.md).
 
 increment            of a 40-bit phase at each clock; a drive period ends where the phase wraps
 level L of a pin     0: low; else high in the first L + 1 of a period's 2**(amplitude_bits + 1) slots
 """
 
 from dataclasses import dataclass, field, fields
-from fractions import Fraction
 
 import numpy as np
 
@@ -21,8 +20,10 @@ LEVEL_BITS = 8  # of a frame
 
 
 def increment_of(hz, clk_khz):
-    """The setting for a drive frequency, to the nearest: within clk / 2**41."""
-    return round(Fraction(hz) * (1 << PHASE_BITS) / (1000 * Fraction(clk_khz)))
+    """The setting for a drive frequency, int, float or fraction, to the nearest: within clk / 2**41."""
+    numerator, denominator = hz.as_integer_ratio()
+    clocks = 1000 * clk_khz * denominator
+    return ((numerator << PHASE_BITS + 1) + clocks) // (2 * clocks)
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class DisplaySize:
     def __post_init__(self):
         fits(self, pins=(2, 4096), chains=(1, 8), amplitude_bits=(1, 6), min_hz=(1, self.max_hz))
         fits(self, ticks=(2, 8191), clk_khz=(1, None), sclk_khz=(1, None))
-        within(chains=(self.chains, 1, self.pins))
+        within(chains=(self.chains, 1, self.pins), max_hz=(self.max_hz, 1, (1000 * self.clk_khz - 1) // 256))
         if not self.tick_clocks:
             object.__setattr__(self, "tick_clocks", -(-self.clk_khz // 4))
         if self.slot_clocks < self.lead + 8:
@@ -139,12 +140,13 @@ class DisplaySettings:
 @dataclass(frozen=True)
 class Period:
     """A drive period: ``levels`` of the pins; ``start``: clock since reset in which it begins at the pins;
-    ``clocks``: its length; ``silent``: the first one after a pause or a change of the frequency; ``limited``:
-    pins that the frame has on and a limit keeps off."""
+    ``clocks``: its length; ``slots``: the clock in it in which each slot begins; ``silent``: the first one after a
+    pause or a change of the frequency; ``limited``: pins that the frame has on and a limit keeps off."""
 
     levels: np.ndarray
     start: int
     clocks: int
+    slots: tuple[int, ...]
     silent: bool
     limited: int
 
@@ -185,29 +187,34 @@ class PinDisplay:
         """Ticks up to and with ``clock``."""
         return (clock + 1) // self.size.tick_clocks
 
-    def _close(self, clock):
-        """Charge the period that ends in ``clock`` and move the window on."""
-        turned = False
-        while self.turns < self._ticks(clock) // self.size.ticks:
+    def _turn(self, clock):
+        """Move the window of the duty on, for each eighth that ends before ``clock``; whether one did."""
+        before = self.turns
+        while self.turns < self._ticks(clock - 1) // self.size.ticks:
             self.total = self.total - self.ring[self.turns % HISTORY]
             self.ring[self.turns % HISTORY] = self.part
-            self.part, turned = np.zeros_like(self.part), True
+            self.part = np.zeros_like(self.part)
             self.turns += 1
+        return self.turns > before
+
+    def _close(self, clock):
+        """Charge the period that ends in ``clock``."""
         self.length = self._ticks(clock) - self._ticks(self.begun)
         charge = np.where(self.on, self.length + 1, 0)
         self.total, self.part = self.total + charge, self.part + charge
         self.on = np.zeros_like(self.on)
-        return turned
 
     def off(self, clock):
         """All pins are off from ``clock`` on: no enable, a fault of the sensor, or no frames."""
         if self.increment:
+            self._turn(clock + 1)
             self._close(clock)
         self.increment = self.phase = self.burst = 0
         self.levels = np.zeros_like(self.frame)
 
     def on_again(self, clock):
         """The phase begins in ``clock``, at 0."""
+        self._turn(clock)
         self.wrap = self.begun = clock
 
     def next(self, frame=None, settings=None):
@@ -228,7 +235,8 @@ class PinDisplay:
                 raise ValueError(f"frame has the shape {self.frame.shape}, which must be ({size.pins},)")
             within(**{f"level {p}": (v, 0, 255) for p, v in enumerate(self.frame.tolist())})
         silent = increment != self.increment
-        turned, before = self._close(clock), self.increment
+        turned, before = self._turn(clock), self.increment
+        self._close(clock)
         self.increment, self.begun = increment, clock
         wanted = self.frame > 0
         self.run = np.where(wanted, np.minimum(self.run + turned, 15), 0)
@@ -240,8 +248,11 @@ class PinDisplay:
         may &= np.cumsum(may) <= s.most
         self.on = may & burst & (not silent)
         self.levels = np.where(self.on, np.minimum(self.frame, top), 0)
-        clocks = 1 - (self.phase + before - (1 << PHASE_BITS)) // increment  # the first adds the one before
+        # The first clock adds the increment of before.
+        wraps = [(slot + 1 << PHASE_BITS) // size.slots for slot in range(size.slots)]
+        slots = [1 - (self.phase + before - place) // increment for place in wraps]
+        clocks = slots.pop()
         self.phase += before + (clocks - 1) * increment - (1 << PHASE_BITS)
         self.wrap = clock + clocks
         limited = int((wanted & ~may).sum())
-        return Period(self.levels, clock + size.lead, clocks, silent, limited)
+        return Period(self.levels, clock + size.lead, clocks, (0, *slots), silent, limited)

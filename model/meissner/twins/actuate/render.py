@@ -9,7 +9,6 @@ slip               in place of all this stripes, one pin wide, every fourth pin,
 """
 
 from dataclasses import dataclass, field, fields
-from fractions import Fraction
 
 import numpy as np
 
@@ -102,8 +101,3 @@ class Render:
         if self.cue >= self.settings.cue:
             self.cue, self.phase = 0, (self.phase + 1) % APART
         return found
-
-
-def exact(image, grid):
-    """The averages as fractions, [rows][columns]."""
-    return [[Fraction(int(n), np.size(image)) for n in row] for row in averages(image, *grid)]
