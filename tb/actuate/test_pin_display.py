@@ -18,7 +18,7 @@ from reference.pin_display import WRAP, Limits, Phase
 
 SIZES = [
     DisplaySize(35, 1, 1, 1000, 500, 500, 1000, 40, 50),
-    DisplaySize(9, 2, 3, 1000, 500, 150, 300, 40, 167),
+    DisplaySize(9, 2, 3, 1000, 500, 150, 290, 40, 167),
 ]
 IDLE = {"in_valid_i": 0, "in_data_i": 0, "in_last_i": 0, "fault_i": 0}
 
@@ -138,7 +138,7 @@ async def every_edge_is_the_twins(dut, duty, watchdog):
     at_once = max(sum(levels) for _, levels in got)
     assert all(sum(v) <= dict(most)[max(c for c, _ in most if c <= clock)] for clock, v in got)
     assert at_once > 0
-    window = 8 * size.ticks * size.tick_clocks
+    window = 7 * size.ticks * size.tick_clocks
     for pin in range(size.pins):
         driven = [(p.start, p.start + p.clocks) for p in periods[:-1] if any(
             v[pin] for clock, v in got if p.start <= clock < p.start + p.clocks)]
@@ -241,10 +241,10 @@ def test_pin_display(size):
 
 
 def test_refuses_what_cannot_be_shifted_in_time():
-    """1,000 pins in one chain at 8 MHz: 1,024 bits and pauses take 136 us, a pass and the rest 22 us; a slot of three
+    """1,000 pins in one chain at 8 MHz: 1,024 bits and pauses take 144 us, a pass and the rest 22 us; a slot of three
     bits at 400 Hz has 156 us. Two chains halve the shift."""
     wide = {"pins": 1000, "clk_khz": 48_000}
-    assert DisplaySize(**wide, amplitude_bits=2).lead == 1000 + 6528 + 48
+    assert DisplaySize(**wide, amplitude_bits=2).lead == 1000 + 6912 + 48
     for more in ({"amplitude_bits": 3}, {"amplitude_bits": 4, "chains": 2}):
         size = wide | more
         with pytest.raises(ValueError, match=rf"amplitude_bits = {more['amplitude_bits']}: a slot of"):
@@ -285,7 +285,7 @@ def test_twin_against_the_lists(duty, watchdog):
         assert steps[:96] == [(p.start - size.lead + k, n) for p in found for n, k in enumerate(p.slots)]
         twin.reset()
     twin.on_again(1000)
-    eighth, frame, seen, before = 0, [0] * 6, Counter(), 0
+    seventh, frame, seen, before = 0, [0] * 6, Counter(), 0
     for n in range(9200):
         given = None
         if draw.random() < 0.01:
@@ -294,12 +294,12 @@ def test_twin_against_the_lists(duty, watchdog):
             frame = given = [255, *frame[1:]]
         wrap = twin.wrap
         period = twin.next(given)
-        now = wrap // 6250 // 5000  # eighths that ended before this clock
+        now = wrap // 6250 // 5715  # sevenths that ended before this clock
         length = (wrap + 1) // 6250 - (before + 1) // 6250 if n else 0
         burst = n == 0 or (n - 1) % 92 < 60
-        levels, kept_off = lists.period(frame, length, now > eighth, 14, 4, duty, watchdog, burst, n == 0)
+        levels, kept_off = lists.period(frame, length, now > seventh, 14, 4, duty, watchdog, burst, n == 0)
         assert (period.levels.tolist(), period.limited) == (levels, kept_off), n
-        eighth, before = now, wrap
+        seventh, before = now, wrap
         seen[bool(kept_off), any(levels)] += 1
     assert twin.wrap == 1000 + 1 - (-(9200 * WRAP) // settings.increment)
     assert len(seen) >= 3

@@ -25,7 +25,7 @@ def sizes(dut):
     each = -(-pins // chains)
     bits = -(-each // 64) * 64
     half = -(-read("ClkKhz") // (2 * read("SclkKhz")))
-    return pins, chains, each, bits, pins + bits // 16 * 17 * 2 * half + 48
+    return pins, chains, each, bits, pins + bits // 8 * 9 * 2 * half + 48
 
 
 def parts(dut, report=None):

@@ -196,12 +196,12 @@ shear_speed feature Speed of shear
 display feature Pin display
   d00 enable               0:0   setting  0        at_once
   d04 increment            31:0  setting  0        at_once
-  d08 burst_period         15:0  setting  0        at_once
-  d0c burst_on             15:0  setting  0        at_once
+  d08 burst_period         11:0  setting  0        at_once
+  d0c burst_on             11:0  setting  0        at_once
   d10 top                  7:0   setting  ff       at_once
   d14 most                 11:0  setting  fff      at_reset
   d18 duty                 15:0  setting  4e20     at_reset
-  d1c watchdog             3:0   setting  4        at_reset
+  d1c watchdog             3:0   setting  3        at_reset
   d20 stop                 15:0  setting  7d0      at_reset
   d24 source               0:0   setting  0        at_once
   d28 floor                15:0  setting  1        at_once
@@ -217,9 +217,9 @@ display feature Pin display
   d44 size.bits            23:16 status   0        -
   d48 state.running        0:0   status   0        -
   d48 state.fault          1:1   status   0        -
+  d48 state.limited        2:2   status   0        -
   d48 state.pins           19:8  status   0        -
-  d48 state.limited        31:20 status   0        -
-  d4c dropped              31:0  status   0        -
+  d4c dropped              15:0  status   0        -
   d50 faults               31:0  status   0        -
 """
 GROUPS = read(TABLE)
