@@ -164,6 +164,11 @@ class Core:
         """No more packets will come: the file has ended, or ``stop`` was called."""
         return self._ended and not self._waiting
 
+    @property
+    def down(self) -> bool:
+        """The line is interrupted, and will be opened again."""
+        return self._down is not None
+
     def names(self) -> list[str]:
         """Names of the registers that this core has; for a register with several fields, of each field."""
         return [
@@ -320,7 +325,7 @@ class Core:
 
         Yields
         ------
-        SlipEvent, StateChange, States, CopFrame, Image, Health, Statistics or Gap
+        SlipEvent, StateChange, States, ClassChange, CopFrame, Image, Health, Statistics or Gap
         """
         end = None if seconds is None else time.monotonic() + seconds
         while True:

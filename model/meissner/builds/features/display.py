@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from meissner.builds.build import Config
 
 PARAMETERS = {"Display": 1}
-KINDS = ("channels", "array", "electrodes")
 Side = Annotated[int, Meta(ge=1, le=128)]
 Share = Annotated[float, Meta(ge=0, le=1)]
 
