@@ -1,6 +1,6 @@
-"""msn_pin_limits against the lists of tb/reference/pin_display.py: random frames, limits met exactly and missed by one,
-sevenths that end in any clock, pauses, silent periods and bursts. At most `most` pins and no pin for more than its duty
-in any seven sevenths, counted from what leaves."""
+"""msn_pin_limits against the lists of tb/reference/pin_display.py: random frames, limits met exactly and
+missed by one, sevenths that end in any clock, pauses, silent periods and bursts. At most `most` pins and no
+pin for more than its duty in any seven sevenths, counted from what leaves."""
 
 import random
 
@@ -75,7 +75,9 @@ async def follows_the_lists(dut, duty, watchdog):
         silent = silent or draw.random() < 0.1
         dut.silent_i.value, dut.burst_i.value = silent, burst
         got = await drive.period(length, turn_i=turns)  # in the clock of the beginning: for the next pass
-        expected, kept_off = lists.period(drive.frame, length, waits, top, most, duty, watchdog, burst, silent)
+        expected, kept_off = lists.period(
+            drive.frame, length, waits, top, most, duty, watchdog, burst, silent
+        )
         assert got == expected, n
         assert bench.read(dut.pins_o) == len(lists.on) <= most and bench.read(dut.limited_o) == kept_off
         spent.append((lists.seventh, [length if level else 0 for level in before]))
@@ -102,8 +104,8 @@ async def follows_the_lists(dut, duty, watchdog):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def meets_the_duty_exactly(dut):
-    """Periods of 9 ticks are charged 10; the next one needs room for 11: at a duty of 51 the fifth is driven, at 50
-    not. The pin is on again after eight sevenths more."""
+    """Periods of 9 ticks are charged 10; the next one needs room for 11: at a duty of 51 the fifth is driven,
+    at 50 not. The pin is on again after eight sevenths more."""
     pins = dut.Pins.value.to_unsigned()
     for duty, periods in ((50, 4), (51, 5)):
         await (bench.start(dut, **REST | {"running_i": 1}) if duty == 50 else bench.reset(dut))

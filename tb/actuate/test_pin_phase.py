@@ -1,7 +1,9 @@
-"""msn_pin_phase against the loop of tb/reference/pin_display.py, clock by clock, with settings, faults and frames that
-change in any clock. Frequencies by count: the mean to 0.001 Hz, each period to one clock, both ends and beyond."""
+"""msn_pin_phase against the loop of tb/reference/pin_display.py, clock by clock, with settings, faults and
+frames that change in any clock. Frequencies by count: the mean to 0.001 Hz, each period to one clock, both
+ends and beyond."""
 
 import random
+from itertools import pairwise
 
 import cocotb
 import pytest
@@ -42,7 +44,9 @@ async def follows_the_loop(dut, rate):
     loop, put = loop_of(dut), {name: bench.putter(getattr(dut, name)) for name in QUIET}
     asked = {"cfg_increment_i": least, **{name: QUIET[name] for name in QUIET if name != "cfg_increment_i"}}
     kinds = {
-        "cfg_increment_i": lambda: draw.choice([0, least - 1, least, largest, largest + 1, draw.randint(least, largest)]),
+        "cfg_increment_i": lambda: draw.choice(
+            [0, least - 1, least, largest, largest + 1, draw.randint(least, largest)]
+        ),
         "cfg_burst_period_i": lambda: draw.choice([0, 1, 2, 5, 7]),
         "cfg_burst_on_i": lambda: draw.choice([0, 1, 2, 5, 9]),
         "cfg_stop_i": lambda: draw.choice([0, 20, 200, 65535]),
@@ -97,7 +101,7 @@ async def keeps_the_frequency(dut, share):
         now += 1
         await edge
     exact = WRAP / increment
-    lengths = [b - a for a, b in zip(times[1:], times[2:])]
+    lengths = [b - a for a, b in pairwise(times[1:])]
     assert {abs(length - exact) < 1 for length in lengths} == {True}
     assert abs(times[-1] - times[1] - exact * len(lengths)) < 1
 
@@ -110,7 +114,9 @@ async def rests_in_reset(dut):
 
 EVIDENCE = {
     "equivalence": {"size": {k: v for k, v in QUICK.items()}},
-    "faults": {"none": "no frames: an upset of the phase moves one wrap, of a counter one seventh or one burst"},
+    "faults": {
+        "none": "no frames: an upset of the phase moves one wrap, of a counter one seventh or one burst"
+    },
 }
 
 
@@ -120,7 +126,15 @@ def test_pin_phase(parameters):
 
 
 def test_refuses_illegal_parameters():
-    for wrong in ({"ClkKhz": 0}, {"MinHz": 401}, {"SlotBits": 8}, {"Ticks": 3999}, {"Ticks": 5716}, {"TickClocks": 15_626}, {"MaxHz": 48_829}):
+    for wrong in (
+        {"ClkKhz": 0},
+        {"MinHz": 401},
+        {"SlotBits": 8},
+        {"Ticks": 3999},
+        {"Ticks": 5716},
+        {"TickClocks": 15_626},
+        {"MaxHz": 48_829},
+    ):
         ((name, number),) = wrong.items()
         assert f"{name} = {number} must" in bench.refuses("pin_phase", wrong)
 

@@ -1,5 +1,5 @@
-"""The pin display by docs/pin_display.md: the phase clock by clock, the limits pin by pin from lists of all that was
-driven, the image's averages from areas as fractions."""
+"""The pin display by docs/pin_display.md: the phase clock by clock, the limits pin by pin from lists of all
+that was driven, the image's averages from areas as fractions."""
 
 from fractions import Fraction
 
@@ -57,7 +57,8 @@ class Phase:
 
 
 class Limits:
-    """``period`` takes a frame and what is known of the period that ends; it returns the levels that are driven."""
+    """``period`` takes a frame and what is known of the period that ends; it returns the levels that are
+    driven."""
 
     def __init__(self, pins, bits):
         self.pins, self.highest = range(pins), (1 << bits) - 1
@@ -97,7 +98,8 @@ class Limits:
 
 
 def averages(image, rows, columns):
-    """Of each pin of a grid that an image is divided into: the mean of the taxels by their areas, as fractions."""
+    """Of each pin of a grid that an image is divided into: the mean of the taxels by their areas, as
+    fractions."""
     high, wide = len(image), len(image[0])
 
     def shared(first, last, start, end):
@@ -117,7 +119,8 @@ def averages(image, rows, columns):
 
 
 def level_of(mean, floor, step, highest):
-    """Of a pin with that mean: 0 below ``floor``, then a level for each ``step``, all of them at once for 0."""
+    """Of a pin with that mean: 0 below ``floor``, then a level for each ``step``, all of them at once for
+    0."""
     if mean < floor:
         return 0
     level = 1

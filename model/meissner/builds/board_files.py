@@ -21,7 +21,14 @@ OUTPUTS = {
 }
 INPUTS = {"miso": "adc_miso_i", "busy": "adc_busy_i", "moving": "moving_i", "rx": "rx_i"}
 DIRECTIONS = {"in": "input  logic", "out": "output logic", "inout": "inout  wire"}
-DISPLAY = ("hv_data", "hv_clk", "hv_le", "hv_bl", "hv_pol", "hv_dir")  # outputs of a core with a display alone
+DISPLAY = (
+    "hv_data",
+    "hv_clk",
+    "hv_le",
+    "hv_bl",
+    "hv_pol",
+    "hv_dir",
+)  # outputs of a core with a display alone
 FLAGS = ("slip", "gross", "touched", "pressed")
 
 

@@ -220,8 +220,16 @@ def _display(parameters: dict[str, int]) -> list[Need]:
         return []
     chains = parameters["PinChains"]
     data = tuple(f"DIOA of the first driver of chain {k}" for k in range(chains))
-    rest = {"clk": "CLK", "le": "LE", "bl": "BL, with a pull-down", "pol": "POL, with a pull-up", "dir": "DIR"}
-    lines = [Need(f"hv_{name}", f"hv_{name}_o", 1, (f"{what}, of all drivers",)) for name, what in rest.items()]
+    rest = {
+        "clk": "CLK",
+        "le": "LE",
+        "bl": "BL, with a pull-down",
+        "pol": "POL, with a pull-up",
+        "dir": "DIR",
+    }
+    lines = [
+        Need(f"hv_{name}", f"hv_{name}_o", 1, (f"{what}, of all drivers",)) for name, what in rest.items()
+    ]
     return [Need("hv_data", "hv_data_o", chains, data), *lines]
 
 

@@ -1,5 +1,6 @@
-"""Twin of rtl/actuate/msn_pin_display.sv and its parts, msn_pin_phase.sv, msn_pin_limits.sv and msn_pin_shift.sv:
-which pins of a tactile display are driven in each drive period, and when each is high (docs/pin_display.md).
+"""Twin of rtl/actuate/msn_pin_display.sv and its parts, msn_pin_phase.sv, msn_pin_limits.sv and
+msn_pin_shift.sv: which pins of a tactile display are driven in each drive period, and when each is high
+(docs/pin_display.md).
 
 increment            of a 40-bit phase at each clock; a drive period ends where the phase wraps
 level L of a pin     0: low; else high in the first L + 1 of a period's 2**(amplitude_bits + 1) slots
@@ -52,8 +53,9 @@ class DisplaySize:
         within(tick_clocks=(self.tick_clocks, 1, 250 * self.clk_khz // self.max_hz))
         if self.slot_clocks < self.lead + 8:
             raise ValueError(
-                f"amplitude_bits = {self.amplitude_bits}: a slot of {self.slot_clocks} clocks at {self.max_hz} Hz "
-                f"must be at least {self.lead + 8}, as long as a load of {self.pins} pins in {self.chains} chains"
+                f"amplitude_bits = {self.amplitude_bits}: a slot of {self.slot_clocks} clocks at "
+                f"{self.max_hz} Hz must be at least {self.lead + 8}, a load of {self.pins} pins in "
+                f"{self.chains} chains"
             )
         if self.ticks * self.tick_clocks * self.min_hz < 1000 * self.clk_khz:
             raise ValueError(f"ticks = {self.ticks} must last a drive period at {self.min_hz} Hz or longer")
@@ -113,10 +115,10 @@ class DisplaySettings:
     """The block's inputs.
 
     ``increment``: of the phase, 0: off; below min_hz: off, above max_hz: as max_hz. ``burst_period``,
-    ``burst_on``: in drive periods; a burst_period of 0: always on. ``top``: the highest level; ``most``: pins at
-    once, the first of a frame; ``duty``: ticks that a pin is driven in any 10 s; ``watchdog``: a pin that is on
-    for more than so many sevenths of 10 s is off until a frame has it off; ``stop``: ticks without a frame until
-    all is off.
+    ``burst_on``: in drive periods; a burst_period of 0: always on. ``top``: the highest level; ``most``: pins
+    at once, the first of a frame; ``duty``: ticks that a pin is driven in any 10 s; ``watchdog``: a pin that
+    is on for more than so many sevenths of 10 s is off until a frame has it off; ``stop``: ticks without a
+    frame until all is off.
     """
 
     increment: int = 0
@@ -129,7 +131,9 @@ class DisplaySettings:
     stop: int = 65535
 
     def __post_init__(self):
-        words = dict.fromkeys(("duty", "stop"), (0, 65535)) | dict.fromkeys(("burst_period", "burst_on"), (0, 4095))
+        words = dict.fromkeys(("duty", "stop"), (0, 65535)) | dict.fromkeys(
+            ("burst_period", "burst_on"), (0, 4095)
+        )
         fits(self, increment=(0, (1 << 32) - 1), top=(0, 255), most=(0, 4095), watchdog=(0, 15), **words)
 
     @property
@@ -141,8 +145,8 @@ class DisplaySettings:
 @dataclass(frozen=True)
 class Period:
     """A drive period: ``levels`` of the pins; ``start``: clock since reset in which it begins at the pins;
-    ``clocks``: its length; ``slots``: the clock in it in which each slot begins; ``silent``: the first one after a
-    pause or a change of the frequency; ``limited``: a limit keeps a pin off that the frame has on."""
+    ``clocks``: its length; ``slots``: the clock in it in which each slot begins; ``silent``: the first one
+    after a pause or a change of the frequency; ``limited``: a limit keeps a pin off that the frame has on."""
 
     levels: np.ndarray
     start: int
@@ -177,7 +181,9 @@ class PinDisplay:
         pins = self.size.pins
         self.run = np.zeros(pins, dtype=np.int64)
         self.on = np.zeros(pins, dtype=bool)
-        self.charged = np.zeros((PARTS + 1, pins), dtype=np.int64)  # in the last sevenths, this one's at its number
+        self.charged = np.zeros(
+            (PARTS + 1, pins), dtype=np.int64
+        )  # in the last sevenths, this one's at its number
         self.turns = 0  # sevenths that have ended
         self.frame = np.zeros(pins, dtype=np.int64)
         self.levels = self.frame
@@ -216,7 +222,8 @@ class PinDisplay:
         self.wrap = self.begun = clock
 
     def next(self, frame=None, settings=None):
-        """The period that begins at the next wrap, with the newest complete ``frame`` [pins], None: as before.
+        """The period that begins at the next wrap, with the newest complete ``frame`` [pins], None: as
+        before.
 
         None if the frequency is 0: ``on_again`` begins anew.
         """
