@@ -71,8 +71,9 @@ def _figure(picture):
     file, condition, shown = picture
     data = base64.b64encode(Path(file).read_bytes()).decode("ascii")
     condition, shown = html.escape(condition), html.escape(shown)
+    kind = "gif" if Path(file).suffix == ".gif" else "png"
     return (
-        f'<figure><img alt="{condition}: {shown}" src="data:image/png;base64,{data}">'
+        f'<figure><img alt="{condition}: {shown}" src="data:image/{kind};base64,{data}">'
         f"<figcaption><b>{condition}</b>: {shown}</figcaption></figure>"
     )
 
