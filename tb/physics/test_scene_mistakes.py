@@ -86,7 +86,8 @@ MISTAKES = {
     """,
     "touch_to_touch": """
         world: pad = "capacitive_cell"; pad = "fsr_3x3"; grip = "acrylic_slip"; shape = "spoon"
-        world: pull = "backwards"; frame_ms = 0.1; cue_frames = 0; floor_g = 0.0; step_g = -1.0; press_s = 0.01
+        world: pull = "backwards"; frame_ms = 0.1; cue_frames = 0; floor_g = 0.0; step_g = -1.0
+        world: press_s = 0.01
     """,
     "acrylic_slip": """
         .: sensors = "rubber"; sensor = "skin"; adc = "MCP"; rate_hz = "fast"; seeds = 0

@@ -168,7 +168,7 @@ def in_db(um: Floats) -> Floats:
 
 def peak_db(hz: float, volts: float, finger: bool) -> float:
     """The true peak of a steady drive, half of what it moves from end to end."""
-    return float(in_db(np.ptp(period(hz, volts, finger)) / 2))
+    return float(in_db(np.array(np.ptp(period(hz, volts, finger)) / 2)))
 
 
 def by_laser(wave_um: Floats, hz: float, rng: np.random.Generator, periods: int = PERIODS) -> Floats:

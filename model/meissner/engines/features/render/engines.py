@@ -25,9 +25,8 @@ class Felt:
     cop: Ints
 
     def __getitem__(self, part: slice) -> "Felt":
-        own = self.image, self.slip, self.octant, self.valid, self.cop
-        image, *others = (None if one is None else one[part] for one in own)
-        return Felt(image, *others)
+        image = None if self.image is None else self.image[part]
+        return Felt(image, self.slip[part], self.octant[part], self.valid[part], self.cop[part])
 
     @property
     def size(self) -> int:
