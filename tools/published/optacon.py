@@ -17,19 +17,17 @@ from published._parts import figure, save
 
 TITLE = "Optacon-II: displacement of tactile pins under a finger, and its receptors"
 HEAD = """
-In Japanese; a subject's left index finger on piezo pins, measured from below by a laser. The paper publishes
-curves
-and, in its text, about five numbers. Everything under "ours" is of a simulated pin under a simulated finger
-([pins.py](../../model/meissner/physics/pins.py)) and of thresholds
+In Japanese; a subject's left index finger on piezo pins, measured from below by a laser. The paper
+publishes curves and, in its text, about five numbers. Everything under "ours" is of a simulated pin under a
+simulated finger ([pins.py](../../model/meissner/physics/pins.py)) and of thresholds
 ([receptors.py](../../model/meissner/physics/receptors.py)). Six constants are fitted to the five numbers,
-and the
-thresholds are from memory within about 3 dB. So the page shows that the paper's four conclusions follow from
-such pins and such
-receptors, and what they hang on. It is no second measurement, and no display was built here.
+and the thresholds are from memory within about 3 dB. So the page shows that the paper's four conclusions
+follow from such pins and such receptors, and what they hang on. It is no second measurement, and no display
+was built here.
 
 Figures: `meissner run optacon_free` (6), `optacon_contact` (1, 8 to 11), `optacon_burst` (14),
-`optacon_letter` (13 and the letter
-as an animation); `touch_to_touch` closes the loop from two sensors to pins.
+`optacon_letter` (13 and the letter as an animation); `touch_to_touch` closes the loop from two sensors to
+pins.
 """
 FREE, CONTACT, BURST, LETTER = (f"optacon_{kind}" for kind in ("free", "contact", "burst", "letter"))
 
@@ -68,7 +66,7 @@ def changes():
     yield "as it is", Change("DAMPING", pins.DAMPING, pins)
     for name, values in {
         "DAMPING": (0.2, 1.0),
-        "D31": (171e-12, 274e-12),
+        "D31": (171e-12, 330e-12),
         "PRELOAD_V": (0.0, 2.0, 6.0),
     }.items():
         for value in values:
@@ -83,6 +81,19 @@ def changes():
         "summation as on the thenar, 3 dB a doubling to 2.9 cm²",
         Change("SLOPES", receptors.SLOPES | {"fingertip": receptors.SLOPES["thenar"]}, receptors),
     )
+
+
+def slowest_s():
+    """The longest time constant of a pin under a finger, of the two masses' equations of motion."""
+    k, m, skin, grams = pins.stiffness(), pins.mass(), pins.SKIN, pins.SKIN.grams * 1e-3
+    c = 2 * pins.DAMPING * np.sqrt(k * m)
+    matrix = [
+        [0, 1, 0, 0],
+        [-(k + skin.kc) / m, -(c + skin.cc) / m, skin.kc / m, skin.cc / m],
+        [0, 0, 0, 1],
+        [skin.kc / grams, skin.cc / grams, -(skin.kc + skin.kg) / grams, -(skin.cc + skin.cg) / grams],
+    ]
+    return 1 / min(-np.linalg.eigvals(np.array(matrix)).real)
 
 
 def sensitivity():
@@ -137,14 +148,17 @@ def compute():
         resonance:.0f} Hz free | the
         published 22.2 dB at 230 Hz is below the displacement at rest: a free pin above its resonance
 
+        4.1 | 5 s to settle, then 50 periods, 5 repetitions | stated | the steady state; under a finger the
+        slowest motion dies away with a time constant of {1e3 * slowest_s():.0f} ms | 5 s are more than enough
+
         6 | free pin at 30 V and 230 Hz, from above | 22.2 dB | {free["above_db"]:.1f} dB | {
         free["fit_error_db"]:+.2f}
         dB: fitted
 
         6 | from below | about 0.2 dB apart | {free["apart_db"]:.2f} dB less, in the mean | taken as published
 
-        6 | correlation of both | 0.996 | {free["correlation"]:.4f} | from a scatter of {pins.SCATTER_DB} dB a
-        reading, chosen for it
+        6 | correlation of both | 0.996 | {free["correlation"]:.4f} | a scatter of {pins.SCATTER_DB} dB a
+        reading is chosen for it
 
         3.1.2 | a single peak of 230 Hz at 2 kHz | none stated | reads up to {
         free["single_low_db"]:.2f} dB low: the
@@ -202,7 +216,7 @@ def compute():
     } | the letter's shape is chosen for it
 
         14 | bursts of 0.4 s: out by 33 µm (30 dB) and back | stated | {burst["out_um"]:.1f} µm ({
-        burst["out_db"]:.1f} dB), {burst["back_um"]:.1f} µm left | {burst["out_um"] - 33:+.1f} µm: fitted
+        burst["out_db"]:.1f} dB), {burst["back_um"]:.1f} µm left | {burst["out_um"] - 33:+.2f} µm: fitted
 
         14 | 230 Hz on top, 0.8 µm (−2 dB) | stated | {burst["ripple_um"]:.2f} µm ({
         burst["ripple_db"]:.1f} dB) | {burst["ripple_um"] - 0.8:+.2f} µm: fitted
@@ -239,57 +253,41 @@ READING = """
 ## Which curve is which
 
 The text says that FA-II lies above its curve in figure 11 from 120 Hz on at every voltage, and, two
-sentences later, that from
-120 Hz on no displacement exceeds the curve of 0.008 cm². Both cannot be said of one curve. Our reading:
-figure 11 plots
-the P channel of Bolanowski et al. for their large contactor of 2.9 cm², which is exceeded, and beside it
-Gescheider's for
-0.008 cm². SA-I, SA-II and FA-I do not depend on the area, so figures 8 to 10 have one curve each. That
-figure 11's
-exceeded curve were the one for 0.008 cm² cannot be: P falls by {depth:.1f} dB from 120 to 230 Hz, and 0.008
-and
-0.0007 cm² are only {span:.1f} dB apart. A curve below the displacement at 10 V and 120 Hz is then, moved up
-to the
-tip's area, still below that at 50 V and 230 Hz, and FA-II would respond.
+sentences later, that from 120 Hz on no displacement exceeds the curve of 0.008 cm². Both cannot be said of
+one curve. Our reading: figure 11 plots the P channel of Bolanowski et al. for their large contactor of 2.9
+cm², which is exceeded, and beside it Gescheider's for 0.008 cm². SA-I, SA-II and FA-I do not depend on the
+area, so figures 8 to 10 have one curve each. That figure 11's exceeded curve were the one for 0.008 cm²
+cannot be: P falls by {depth:.1f} dB from 120 to 230 Hz, and 0.008 and 0.0007 cm² are only {span:.1f} dB
+apart. A curve below the displacement at 10 V and 120 Hz is then, moved up to the tip's area, still below
+that at 50 V and 230 Hz, and FA-II would respond.
 
-Whether 0.008 cm² would be enough depends on how FA-II sums. On the thenar, 3 dB a doubling of the area up to
-2.9
-cm²: the curve for 0.008 cm² is {thenar:.1f} dB above the large one, and the pins ({ten:.1f}, {thirty:.1f}
-and {fifty:.1f} dB
-at 230 Hz and 10, 30, 50 V) do not reach it; that is what the paper says. On a fingertip, where the paper
-measures,
-summation is less (Gescheider et al.); 3 dB a doubling up to 0.1 cm² and 1 dB above give {smallest:.1f} dB,
-and FA-II
-responds about 230 Hz at 30 and 50 V. The slope above 0.1 cm² is chosen. With the tip's own area FA-II does
-not
-respond with either. The scenes take the fingertip's.
+Whether 0.008 cm² would be enough depends on how FA-II sums. On the thenar, 3 dB a doubling of the area up
+to 2.9 cm²: the curve for 0.008 cm² is {thenar:.1f} dB above the large one, and the pins ({ten:.1f},
+{thirty:.1f} and {fifty:.1f} dB at 230 Hz and 10, 30, 50 V) do not reach it; that is what the paper says. On
+a fingertip, where the paper measures, summation is less (Gescheider et al.); 3 dB a doubling up to 0.1 cm²
+and 1 dB above give {smallest:.1f} dB, and FA-II responds about 230 Hz at 30 and 50 V. The slope above 0.1
+cm² is chosen. With the tip's own area FA-II does not respond with either. The scenes take the fingertip's.
 
 Neither the paper nor the scenes let FA-II sum over several pins. If it did so over all tips that move
-together,
-{summed} pins at once would reach it, and a letter has more.
+together, {summed} pins at once would reach it, and a letter has more.
 """
 HANG = """
 Each row changes one constant and keeps the others; displacements without the laser's scatter. The
-thresholds' rows
-show how far the conclusions survive an error of our reading of figure 1: each that fails within 3 dB is one
-that the fit, not
-the paper, decides.
+thresholds' rows show how far the conclusions survive an error of our reading of figure 1: each that fails
+within 3 dB is one that the fit, not the paper, decides.
 """
 ORIGINS = """
 ## Published, read off, chosen
 
 - Published: the bimorph's size, 50 V, 230 Hz, 29 frequencies, voltages, the laser's rate and resolution, 50
-  periods and 5
-  repetitions, the tip's area, table 1, the numbers above.
+  periods and 5 repetitions, the tip's area, table 1, the numbers above.
 - Read off, unverified: every knot of the four thresholds. We could read neither the figures nor the two
   papers behind them.
 - Fitted to the numbers above: the pin's mass, the skin's two springs and dampers and its tissue. Under a
-  finger the curve falls by
-  about 12 dB an octave, as a mass does, then dips where the tissue takes up the motion. The lumped mass of
-  grams is no anatomy.
+  finger the curve falls by about 12 dB an octave, as a mass does, then dips where the tissue takes up the
+  motion. The lumped mass of grams is no anatomy.
 - Chosen: ceramic, damping of the free pin, the preload that makes displacement not proportional, the
-  letter's shape, a
-  square drive, the steady state in place of 5 s of settling.
+  letter's shape, a square drive, the steady state in place of 5 s of settling.
 """
 
 

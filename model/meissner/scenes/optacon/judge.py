@@ -53,15 +53,15 @@ def _driven(scene, core, recording):
     return hz, widths, float(np.abs(np.subtract(hz, scene.world["hz"])).max())
 
 
-def sweep(hz, widths, volts, finger, rng, count=1):
-    """Mean peaks in dB [pins, frequencies] of ``count`` pins: each the mean of its repetitions."""
+def sweep(hz, widths, volts, finger, rng, count=1, repetitions=1):
+    """Mean peaks in dB [pins, frequencies] of ``count`` pins, each measured several times."""
     found = np.empty((count, len(hz)))
     spread = pins.SPREAD_DB * rng.standard_normal(count) if count > 1 else np.zeros(count)
     for k, (f, width) in enumerate(zip(hz, widths)):
         wave = pins.period(f, volts, finger, width)
         for pin in range(count):
             scaled = wave * 10 ** (spread[pin] / 20)
-            repeated = [pins.measured_db(scaled, f, rng) for _ in range(pins.REPETITIONS)]
+            repeated = [pins.measured_db(scaled, f, rng) for _ in range(repetitions)]
             found[pin, k] = np.mean(repeated)
     return found
 
@@ -109,7 +109,7 @@ def _contact(scene, core, recording, rng):
     hz, widths, off_hz = _driven(scene, core, recording)
     world, nominal = scene.world, np.array(scene.world["hz"])
     tip, volts = world["tip_cm2"], world["volts"]
-    each = np.array([sweep(hz, widths, v, True, rng, world["pins"]) for v in volts])
+    each = np.array([sweep(hz, widths, v, True, rng, world["pins"], pins.REPETITIONS) for v in volts])
     db = each.mean(axis=1)
     free = sweep(hz, widths, volts[0], False, rng)[0] + pins.in_db(np.array(volts) / volts[0])[:, None]
     held = conclusions(nominal, volts, db, tip)
