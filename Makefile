@@ -16,8 +16,8 @@ export PYTHONUTF8 := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: again help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
-.PHONY: nightly extremes test-icarus
+.PHONY: again help setup demo live picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
+.PHONY: docs gallery wasm nightly extremes test-icarus
 
 help:  ## print this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -51,13 +51,21 @@ $(SIM): $(PYENV)
 	@$(BIN)/boolector --version >/dev/null 2>&1  # its first run prints more than a solver's answer
 	@touch $@
 
+.venv/.docs: $(SIM)
+	$(PIP) -r requirements/docs.txt
+	@touch $@
+
 setup: $(SIM)  ## install the Python environment with all simulation tools in .venv
 
 demo: $(SIM)  ## run the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo --overwrite
 
-picture: demo  ## update README's picture from the demo: docs/acrylic_slip.png
+live: $(SIM)  ## run the acrylic slip scene and show it in a browser while it runs: http://127.0.0.1:8642/
+	@$(BIN)/meissner run acrylic_slip --web
+
+picture: demo  ## update README's pictures: docs/acrylic_slip.png, and of the live page (needs Chromium)
 	@cp build/demo/acrylic_slip.png docs/
+	@PYTHONPATH=tb $(BIN)/python tools/published/live_page.py picture
 
 test:  ## run lint, the twins' tests and all cocotb regressions
 	@$(MAKE) --no-print-directory -j 2 $(FORMAL) lint
@@ -98,6 +106,16 @@ fmax: $(SYNTH)  ## measure Fmax and area of blocks, worst of three seeds [FMAX="
 
 figures: $(SYNTH)  ## measure the figures of a version: docs/results.md and the pages of results [FIGURES="cop_slip"]
 	@$(BIN)/python tools/make/figures.py $(FIGURES)
+
+docs: .venv/.docs  ## the site: build/docs/index.html; a warning is an error
+	@$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
+	@echo build/docs/index.html
+
+gallery: $(SIM)  ## the pictures of every scene for the site: build/gallery/
+	@$(BIN)/python tools/make/gallery.py
+
+wasm: $(SIM)  ## the core as WebAssembly for the site's front page; needs Emscripten: build/wasm/
+	@$(BIN)/python tools/make/wasm.py
 
 nightly: $(FORMAL)  ## proofs, netlists, faults, mutants, coverage, boards against tb/limits.toml [KINDS= BLOCKS= SINCE=HEAD~1]
 	@PYTHONPATH=tools $(BIN)/python -m nightly $(BLOCKS) --jobs $(JOBS) $(if $(KINDS),--kinds $(KINDS)) $(if $(SINCE),--since $(SINCE)) $(if $(MINUTES),--minutes $(MINUTES))

@@ -7,7 +7,7 @@ IN has codes, [samples] or [channels, samples], at 10 kHz; without it a pulled p
 
 import sys
 
-from meissner import engines, files, scenes
+from meissner import engines, readers, scenes
 from meissner.host import Units, packets
 from meissner.host.simulated import SimulatedCore, blocks_of, settings_of, slip_source
 from meissner.twins.link.decoder import Decoder
@@ -19,7 +19,7 @@ def main(path=None, threshold=40):
     if path is None:
         codes, config = scenes.simulate(scene).codes, scene.slip_config()
     else:
-        codes = engines.check_samples(files.read_array(path))
+        codes = engines.check_samples(readers.read(path).scaled()[0])
         config = SlipConfig(threshold=int(threshold), contact_level=-(1 << 17), release_level=-(1 << 17))
     source = slip_source(blocks_of(codes, config.level), scene.rate_hz, config.window, config.hop)
     core = SimulatedCore(source, settings=settings_of(config), level=config.level)

@@ -91,6 +91,12 @@ static int fields(struct msn_packet *packet) {
       packet->is.statistic.index = b[0];
       packet->is.statistic.value = (uint32_t)number_of(b + 1, 4);
       return 1;
+    case MSN_CLASS:
+      if (n != 8) return 0;
+      packet->is.classified.label = (uint16_t)number_of(b, 2);
+      packet->is.classified.told = (uint16_t)number_of(b + 2, 2);
+      packet->is.classified.votes = (uint32_t)number_of(b + 4, 4);
+      return 1;
     case MSN_ANSWER:
       if (n != 8) return 0;
       packet->is.answer.tag = b[0];

@@ -24,6 +24,7 @@ enum {
   MSN_STATISTIC = 5,
   MSN_CHANGE = 6, /* any other change of a channel's state */
   MSN_STATES = 7, /* the states of channels, asked for by register link.states */
+  MSN_CLASS = 8,  /* the forest decides for another class */
   MSN_ANSWER = 16
 };
 
@@ -44,6 +45,7 @@ struct msn_packet {
     struct { uint8_t image, last; uint32_t first; uint16_t count; } image; /* taxels: msn_taxel */
     struct { uint32_t taxel; uint8_t faults; } health;
     struct { uint8_t index; uint32_t value; } statistic;
+    struct { uint16_t label, told; uint32_t votes; } classified; /* told: the class sent before; 65535: none */
     struct { uint8_t tag, status; uint16_t address; uint32_t data; } answer;
   } is;
 };

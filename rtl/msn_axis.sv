@@ -26,6 +26,8 @@ module msn_axis #(
   parameter  bit          CopSlip          = 1'b0,
   parameter  bit          Grip             = 1'b0,
   parameter  bit          ShearSpeed       = 1'b0,
+  parameter  bit          Forest           = 1'b0,
+  parameter  bit          ForestFrames     = 1'b1,
   parameter  bit          Display          = 1'b0,
   parameter  int unsigned PinRows          = 5,
   parameter  int unsigned PinColumns       = 20,
@@ -41,6 +43,15 @@ module msn_axis #(
   parameter  int unsigned SlipDepth        = 64,
   parameter  int unsigned StatisticBits    = 22,
   parameter  int unsigned Chunk            = 64,
+  parameter  int unsigned ForestFeatures   = 54,
+  parameter  int unsigned ForestBits       = 18,
+  parameter  int unsigned ForestClasses    = 2,
+  parameter  int unsigned ForestTrees      = 64,
+  parameter  int unsigned ForestNodes      = 1024,
+  parameter  int unsigned ForestLeaves     = 256,
+  parameter  int unsigned ForestEngines    = 1,
+  parameter  int unsigned ForestBanks      = 2,
+  parameter  int unsigned ForestLanes      = 4,
   parameter  logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
   localparam int unsigned SampleBits       = 17,
   localparam int unsigned Wide             = Array ? Lanes : 1
@@ -133,6 +144,7 @@ module msn_axis #(
   logic [CoreRows-1:0] unused_row;
   logic [Wide-1:0]     unused_cs_n, unused_sclk, unused_mosi, unused_convst, unused_reset;
   logic                unused_group, unused_tx;
+  msn_pkg::sdram_t     unused_sdram;
   msn_pkg::verdict_t   unused_verdict;
   msn_pkg::decision_t  unused_decision;
   msn_core #(
@@ -140,9 +152,13 @@ module msn_axis #(
     .AdcChannels  ((CoreColumns + Wide - 1) / Wide),  // one group
     .ClkKhz(ClkKhz), .Array(Array), .Rows(CoreRows), .Columns(CoreColumns), .Channels(Channels),
     .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Slip(Slip), .Image(Image), .Cop4(Cop4),
-    .Correct(Correct), .CopSlip(CopSlip), .Grip(Grip), .ShearSpeed(ShearSpeed), .Display(Display),
-    .PinRows(PinRows), .PinColumns(PinColumns), .PinChains(PinChains), .AmplitudeBits(AmplitudeBits),
-    .Statistics(Statistics), .Uart(1'b0), .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2),
+    .Correct(Correct), .CopSlip(CopSlip), .Grip(Grip), .ShearSpeed(ShearSpeed), .Forest(Forest),
+    .ForestFrames(ForestFrames), .ForestFeatures(ForestFeatures), .ForestBits(ForestBits),
+    .ForestClasses(ForestClasses), .ForestTrees(ForestTrees), .ForestNodes(ForestNodes),
+    .ForestLeaves(ForestLeaves), .ForestEngines(ForestEngines), .ForestBanks(ForestBanks),
+    .ForestLanes(ForestLanes), .Statistics(Statistics), .Uart(1'b0),
+    .Display(Display), .PinRows(PinRows), .PinColumns(PinColumns), .PinChains(PinChains),
+    .AmplitudeBits(AmplitudeBits), .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2),
     .Lag(Lag), .SlipDepth(SlipDepth), .StatisticBits(StatisticBits), .Chunk(Chunk), .Resets(Resets)
   ) u_core (
     .clk_i, .rst_i,
@@ -154,7 +170,7 @@ module msn_axis #(
     .in_last_i(s_axis_tlast),
     .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o, .grip_word_o, .pwm_o,
     .hv_data_o, .hv_clk_o, .hv_le_o, .hv_bl_o, .hv_pol_o, .hv_dir_o,
-    .verdict_o(unused_verdict), .decision_o(unused_decision),
+    .sdram_o(unused_sdram), .sdram_dq_i('0), .verdict_o(unused_verdict), .decision_o(unused_decision),
     .rx_i(1'b1), .tx_o(unused_tx),
     .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),
     .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_rdata_o(bus_rdata),

@@ -7,6 +7,7 @@
 //   sensor_array, sensor_channels or sensor_cop4 ─┬─ samples ─ slip_chain ─┬─ link ─ line or bytes
 //                                                 └─ results, reports ─────┘
 //   shear_speeds (ShearSpeed) ─ actuate (Grip) ─ words, pulses for a hand, from channels' samples, decisions, speeds
+//   classify (Forest) ─ class of a window of frames, or of features in registers: packets, and the hand's slip
 //   display (Display) ─ pins of a tactile display, from images, centres of pressure, slips or a host
 //
 // Adc = AdcNone: complete frames of samples enter on the stream, for an array Converters lanes wide. Uart = 0: packets
@@ -40,6 +41,9 @@ module msn_core #(
   parameter  bit          CopSlip          = 1'b0,
   parameter  bit          Grip             = 1'b0,              // the channels are fingers of a hand
   parameter  bit          ShearSpeed       = 1'b0,              // the channels are sheared rubber
+  parameter  bit          Forest           = 1'b0,              // this and the following: msn_classify
+  parameter  bit          ForestFrames     = 1'b1,
+  parameter  bit          ForestSdram      = 1'b0,
   parameter  bit          Display          = 1'b0,              // a tactile display
   parameter  bit          Statistics       = 1'b1,
   parameter  bit          Registers        = 1'b1,
@@ -69,6 +73,15 @@ module msn_core #(
   parameter  int unsigned SlipDepth        = 64,
   parameter  int unsigned StatisticBits    = 22,
   parameter  int unsigned Chunk            = 64,
+  parameter  int unsigned ForestFeatures   = 54,
+  parameter  int unsigned ForestBits       = 18,
+  parameter  int unsigned ForestClasses    = 2,
+  parameter  int unsigned ForestTrees      = 64,
+  parameter  int unsigned ForestNodes      = 1024,
+  parameter  int unsigned ForestLeaves     = 256,
+  parameter  int unsigned ForestEngines    = 1,
+  parameter  int unsigned ForestBanks      = 2,
+  parameter  int unsigned ForestLanes      = 4,
   parameter  logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
   localparam int unsigned Lanes            = (!Array || Demod) ? 1 : Converters,
   localparam int unsigned RowBeats         = (Columns + Lanes - 1) / Lanes,
@@ -106,6 +119,8 @@ module msn_core #(
   output logic signed [16:0]              grip_word_o,
   output logic                            pwm_o,
 
+  output msn_pkg::sdram_t                 sdram_o,           // ForestSdram
+  input  logic [15:0]                     sdram_dq_i,
   output logic [PinChains-1:0]            hv_data_o,         // msn_pin_shift's
   output logic                            hv_clk_o,
   output logic                            hv_le_o,
@@ -165,7 +180,7 @@ module msn_core #(
   msn_registers #(
     .Adc(!Array && Pins), .Slip(Slip), .Scan(Array && Pins), .Health(Health), .Tare(Tare), .Calibrate(Array),
     .Cop(Array), .Cop4(Cop4), .CopSlip(CopSlip), .Link(1'b1), .Grip(Grip),
-    .ShearSpeed(ShearSpeed), .Display(Display), .Resets(Resets),
+    .ShearSpeed(ShearSpeed), .Forest(Forest), .Display(Display), .Resets(Resets),
     .DetailBits(DetailBits), .TimerBits(TimerBits), .LoadBits(LoadBits), .OffsetBits(OffsetBits)
   ) u_registers (
     .clk_i, .rst_i,
@@ -178,6 +193,7 @@ module msn_core #(
   msn_registers_pkg::link_status_t        of_link;
   msn_registers_pkg::grip_status_t        of_grip;
   msn_registers_pkg::shear_speed_status_t of_shear;
+  msn_registers_pkg::forest_status_t      of_forest;
   msn_registers_pkg::display_status_t     of_display;
   always_comb begin
     status              = sensor_status;
@@ -187,7 +203,7 @@ module msn_core #(
     status.core.beats   = Array ? 21'(Rows * RowBeats) : 21'd0;
     status.core.lanes   = Array ? 4'(Lanes) : 4'd0;
     {status.slip, status.link, status.grip, status.shear_speed} = {of_slip, of_link, of_grip, of_shear};
-    status.display      = of_display;
+    {status.forest, status.display} = {of_forest, of_display};
   end
 
   // The sensor: single samples for the slip path, and centres of pressure.
@@ -195,26 +211,30 @@ module msn_core #(
   logic signed [SampleBits-1:0] sample, stream;
   logic        [IdBits-1:0]     sample_id;
   logic        [47:0]           frame_time;
-  logic                         slip_valid, slip_ready, slip_busy, cop_valid, health_valid, health_ready;
+  logic                         given_valid, given_ready, class_valid, class_ready, decided, forest_slips;
+  logic                         slip_valid, slip_ready, slip_busy, forest_busy, cop_valid, health_valid;
+  logic                         health_ready, frame_busy;
   logic                         cop_slip_valid, cop_slip_ready, decision_valid, decision_ready;
   msn_pkg::cop_t                cop;
   msn_pkg::health_t             health;
   msn_pkg::decision_t           cop_slip;
   msn_pkg::shear_t              shear;
+  msn_pkg::class_t              class_change;
+  assign frame_busy = slip_busy || forest_busy;
   assign stream = signed'(in_data_i[SampleBits-1:0]);  // of one lane
 
   if (Array) begin : gen_array
     msn_sensor_array #(
       .Adc(Adc), .Converters(Converters), .AdcLanes(AdcLanes), .AdcChannels(AdcChannels), .ClkKhz(ClkKhz),
       .SclkKhz(SclkKhz), .ReadDuring(ReadDuring), .Rows(Rows), .Columns(Columns), .Demod(Demod),
-      .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Tap(Slip || Image || Display), .GainShift(GainShift),
-      .TareLog2(TareLog2),
+      .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Tap(Slip || Image || Display || (Forest && ForestFrames)),
+      .GainShift(GainShift), .TareLog2(TareLog2),
       .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Form(Form),
       .SamplesPerPeriod(SamplesPerPeriod), .SamplePeriod(SamplePeriod), .Periods(Periods), .Skip(Skip),
       .Shift(Shift)
     ) u_sensor (
       .clk_i, .rst_i, .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending),
-      .commit_o(commit), .busy_i(slip_busy), .row_o, .group_o,
+      .commit_o(commit), .busy_i(frame_busy), .row_o, .group_o,
       .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
       .convert_o(convert), .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
       .sample_valid_o(sample_valid), .sample_ready_i(sample_ready), .sample_data_o(sample),
@@ -246,7 +266,7 @@ module msn_core #(
       .ReadDuring(ReadDuring)
     ) u_sensor (
       .clk_i, .rst_i, .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending),
-      .commit_o(commit), .busy_i(slip_busy), .adc_cs_n_o(adc_cs_n_o[0]), .adc_sclk_o(adc_sclk_o[0]),
+      .commit_o(commit), .busy_i(frame_busy), .adc_cs_n_o(adc_cs_n_o[0]), .adc_sclk_o(adc_sclk_o[0]),
       .adc_mosi_o(adc_mosi_o[0]), .adc_miso_i(adc_miso_i[AdcLanes-1:0]), .adc_convst_o(adc_convst_o[0]),
       .adc_busy_i(adc_busy_i[0]), .adc_reset_o(adc_reset_o[0]), .convert_o(convert),
       .in_valid_i, .in_ready_o, .in_data_i(stream), .in_id_i, .in_last_i,
@@ -257,12 +277,26 @@ module msn_core #(
     assign {row_o, group_o, sample_mask, cop_valid, cop, health_valid, health, cop_slip_valid, cop_slip} = '0;
   end
 
+  // The forest's part, beside the other blocks.
+  msn_classify #(
+    .Forest(Forest), .Suits(Registers && !SlipOnly && !(ForestFrames && Cop4)), .Frames(ForestFrames),
+    .Channels(Taxels), .SampleBits(SampleBits), .Features(ForestFeatures), .FeatureBits(ForestBits),
+    .Classes(ForestClasses), .Trees(ForestTrees), .Nodes(ForestNodes), .Leaves(ForestLeaves),
+    .Engines(ForestEngines), .Banks(ForestBanks), .Lanes(ForestLanes), .Sdram(ForestSdram), .ClkKhz(ClkKhz)
+  ) u_classify (
+    .clk_i, .rst_i, .now_i(now), .time_i(frame_time), .cfg_i(cfg.forest), .status_o(of_forest),
+    .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_id_i(sample_id),
+    .in_last_i(sample_last), .out_valid_o(given_valid), .out_ready_i(given_ready), .busy_o(forest_busy),
+    .change_valid_o(class_valid), .change_ready_i(class_ready), .change_o(class_change),
+    .decided_o(decided), .slips_o(forest_slips), .sdram_o, .sdram_dq_i
+  );
+
   localparam bit Fingers = Slip && Registers && !Array && !Serial;  // Grip and ShearSpeed need these
   msn_shear_speeds #(
     .ShearSpeed(ShearSpeed), .Suits(Fingers), .Channels(Taxels), .SampleBits(SampleBits)
   ) u_shear_speeds (
     .clk_i, .rst_i, .cfg_i(cfg.shear_speed), .status_o(of_shear), .actuator_moving_i,
-    .grip_valid_i(grip_valid_o), .grip_i(of_grip), .in_valid_i(sample_valid), .in_ready_o(sample_ready),
+    .grip_valid_i(grip_valid_o), .grip_i(of_grip), .in_valid_i(given_valid), .in_ready_o(given_ready),
     .in_data_i(sample), .in_id_i(sample_id), .in_last_i(sample_last),
     .out_valid_o(slip_valid), .out_ready_i(slip_ready), .report_o(shear)
   );
@@ -281,12 +315,22 @@ module msn_core #(
     .busy_o(slip_busy), .slip_o, .gross_o, .touched_o
   );
 
+  // An array is one finger, by its forest.
+  localparam int unsigned Hand     = Array ? 1 : Taxels;
+  localparam int unsigned HandBits = msn_pkg::index_width(Hand);
+  msn_registers_pkg::adc_status_t read_by;
+  always_comb begin
+    read_by = sensor_status.adc;
+    if (Array) read_by.timeout = sensor_status.scan.lost;
+  end
   msn_actuate #(
-    .Grip(Grip), .Suits(Fingers), .Fingers(Taxels), .SampleBits(SampleBits)
+    .Grip(Grip), .Suits(Array ? Forest && Registers : Fingers), .Single(Array), .Fingers(Hand),
+    .SampleBits(SampleBits)
   ) u_actuate (
     .clk_i, .rst_i, .cfg_i(cfg.grip), .status_o(of_grip),
-    .sample_valid_i(sample_valid && sample_ready), .sample_data_i(sample), .sample_id_i(sample_id),
-    .adc_i(sensor_status.adc), .verdict_i(verdict_o), .shear_i(shear), .grip_valid_o, .grip_word_o, .pwm_o
+    .sample_valid_i(!Array && sample_valid && sample_ready), .sample_data_i(sample),
+    .sample_id_i(sample_id[HandBits-1:0]), .adc_i(read_by), .verdict_i(verdict_o), .shear_i(shear),
+    .decided_i(decided), .slips_i(forest_slips), .grip_valid_o, .grip_word_o, .pwm_o
   );
 
   localparam bit Imaged = Array || (!Cop4 && Channels > 1);
@@ -306,11 +350,12 @@ module msn_core #(
   msn_link #(
     .ClkKhz(ClkKhz), .BaudHz(BaudHz), .SlipOnly(SlipOnly), .Uart(Uart), .Registers(Registers), .Array(Array),
     .DetailBits(DetailBits), .SlipChannels(Slip ? Taxels : 1), .FirstState(CopSlip ? 65535 : 0),
-    .SlipDepth((Slip || CopSlip) ? SlipDepth : 0), .Cop(Array || Cop4), .Health(Health),
+    .SlipDepth((Slip || CopSlip) ? SlipDepth : 0), .Cop(Array || Cop4), .Classes(Forest), .Health(Health),
     .Statistics(Statistics), .StatisticBits(StatisticBits), .Taxels(Image ? Taxels : 0), .Chunk(Chunk)
   ) u_link (
     .clk_i, .rst_i, .now_o(now), .cfg_i(cfg.link), .status_i(status), .status_o(of_link), .convert_i(convert),
-    .time_i(frame_time), .cop_valid_i(cop_valid), .cop_i(cop), .pressed_o, .decision_valid_i(decision_valid),
+    .time_i(frame_time), .class_valid_i(class_valid), .class_ready_o(class_ready), .class_i(class_change),
+    .cop_valid_i(cop_valid), .cop_i(cop), .pressed_o, .decision_valid_i(decision_valid),
     .decision_ready_o(decision_ready), .decision_i(decision_o),
     .health_valid_i(health_valid), .health_ready_o(health_ready), .health_i(health),
     .image_valid_i(Image && cfg.link.images && sample_valid && sample_ready), .image_data_i(16'(sample)),

@@ -81,6 +81,28 @@ package msn_pkg;
     logic [7:0]  faults;
   } health_t;
 
+  // Another class that the forest decides for; 65535: none yet.
+  typedef struct packed {
+    logic [47:0] stamp;  // the time of the frame, or of the row
+    logic [31:0] votes;
+    logic [15:0] told;   // the class that the host has
+    logic [15:0] label;
+  } class_t;
+
+  // Lines to an SDRAM.
+  typedef struct packed {
+    logic        cke;
+    logic        cs_n;
+    logic        ras_n;
+    logic        cas_n;
+    logic        we_n;
+    logic [1:0]  ba;
+    logic [12:0] a;
+    logic [1:0]  dqm;
+    logic [15:0] dq;
+    logic        dq_enable;
+  } sdram_t;
+
   // Bits of an index 0 .. count-1, at least one.
   function automatic int unsigned index_width(int unsigned count);
     index_width = (count > 1) ? $clog2(count) : 1;

@@ -70,6 +70,7 @@ rtl/forest/msn_forest_engine.sv
 rtl/forest/msn_forest.sv
 rtl/forest/msn_sdram.sv
 rtl/forest/msn_forest_sdram.sv
+rtl/forest/msn_classify.sv
 rtl/actuate/msn_grip.sv
 rtl/actuate/msn_pwm.sv
 rtl/actuate/msn_finger_health.sv

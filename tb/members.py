@@ -45,6 +45,7 @@ PLACES["change"] = _places([("start", 1), ("late", 1), ("told", 3), ("state", 3)
 PLACES["verdict"] = _places([("valid", 1), ("over", 1), ("last", 1), ("id", 16)])
 PLACES["shear"] = _places([("valid", 1), ("ok", 1), ("id", 3), ("speed", 16)])
 PLACES["cop"] = _places([("x", 24), ("y", 24), ("load", 40), ("pressed", 1)])
+PLACES["class"] = _places([("stamp", 48), ("votes", 32), ("told", 16), ("label", 16)])
 PLACES["health"] = _places([("id", 24), ("faults", 8)])
 
 

@@ -20,10 +20,11 @@ LAYERS = [
         "builds.objcache",
         "builds.toolchain",
     ),
-    *("twins", "inputs", "physics", "calibration", "second_order", "fit_rubber"),
-    *("forest", "sense", "builds", "engines", "forest.forest", "forest.reduce", "forest.command"),
+    *("twins", "inputs", "physics", "readers", "calibration", "second_order", "fit_rubber"),
+    *("forest", "sense", "builds", "engines"),
+    *("forest.forest", "forest.reduce", "forest.command", "forest.process"),
     *("rope", "report", "scenes", "run"),
-    *("host", "budget", "tradeoff", "process", "parser", "cli"),
+    *("host", "budget", "tradeoff", "process", "threshold", "parser", "cli"),
 ]
 
 

@@ -24,6 +24,7 @@ module finger (
   logic [7:0]  unused_bytes;
   logic [31:0] unused_word;
   logic [16:0] unused_command;
+  msn_pkg::sdram_t    unused_sdram;
   msn_pkg::verdict_t  unused_verdict;
   msn_pkg::decision_t unused_decision;
 
@@ -61,6 +62,8 @@ module finger (
     .grip_valid_o     (unused_grip),
     .grip_word_o      (unused_command),
     .pwm_o            (unused_pwm),
+    .sdram_o          (unused_sdram),
+    .sdram_dq_i       ('0),
     .hv_data_o        (unused_hv[0]),
     .hv_clk_o         (unused_hv[1]),
     .hv_le_o          (unused_hv[2]),

@@ -4,6 +4,7 @@
     SlipConfig                 the settings of a slip detector
     Cop4Config                 a four-wire sensor: mesh, amplifiers, converter
     Calibration                a straight line per cell of an array
+    read                       a recording of any kind, its channels, unit and rate; each class takes it, too
     Forest                     a trained forest as the core decides: ``predict(X)``, in scikit-learn's place
 
 Each is imported on first use, so that the command line starts quickly.
@@ -16,17 +17,19 @@ if TYPE_CHECKING:
     from meissner.calibration import Calibration
     from meissner.forest.forest import Forest
     from meissner.physics.cop4_config import Cop4Config
+    from meissner.readers import read
     from meissner.sense import Array, Cop, Cop4, Slip
     from meissner.twins.slip.config import SlipConfig
 
     __version__: str
 
-__all__ = ["Array", "Calibration", "Cop", "Cop4", "Cop4Config", "Forest", "Slip", "SlipConfig"]
+__all__ = ["Array", "Calibration", "Cop", "Cop4", "Cop4Config", "Forest", "Slip", "SlipConfig", "read"]
 _MODULES = dict.fromkeys(("Array", "Cop", "Cop4", "Slip"), "meissner.sense") | {
     "Calibration": "meissner.calibration",
     "Cop4Config": "meissner.physics.cop4_config",
     "Forest": "meissner.forest.forest",
     "SlipConfig": "meissner.twins.slip.config",
+    "read": "meissner.readers",
 }
 
 

@@ -16,7 +16,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from meissner import files
+from meissner import files, readers
 from meissner.inputs import CODE_LIMIT, MAX_FORCE, MAX_SIDE, SAMPLE_BITS, check_codes
 from meissner.terminal import plain
 from meissner.twins.frontend.calibrate import forces
@@ -207,31 +207,46 @@ def cell_forces(force_n, shape, probed=None):
     return known
 
 
-def read_recording(path, force_path=None):
-    """(codes, newtons on every cell) of a press recording; ValueError with one sentence if it is invalid.
+def read_recording(path, force_path=None, volts_per_code=None, converter=None, **given):
+    """(codes, newtons on every cell, what was taken) of a press recording; ValueError with one sentence.
 
-    A .npz file with ``codes``, ``force_n`` and optionally ``probed``, or two .npy files with codes and forces
-    (see cell_forces).
+    Arrays ``codes``, ``force_n`` and optionally ``probed``; or codes of any file, with the forces in another
+    or in a column in N (see cell_forces). ``given``: column, unit and shape of meissner.readers.read.
     """
-    path = Path(path)
-    if path.suffix.lower() == ".npz":
-        if force_path is not None:
+    names = ("codes", "force_n", "probed")
+    arrays = {one.name: one for one in readers.table(path, names).columns}
+    if names[0] in arrays:
+        if force_path is not None and names[1] in arrays:
             raise ValueError(f"{path} already contains forces: omit --force")
-        names = ("codes", "force_n", "probed")
-        arrays = _arrays(path, lambda name, *_: name in names)
-        for name in names[:2]:
-            if name not in arrays:
-                raise ValueError(f"{path} is not a press recording: it has no {name}")
-        codes, force_n, probed = arrays["codes"], arrays["force_n"], arrays.get("probed")
+        if names[1] not in arrays and force_path is None:
+            raise ValueError(f"{path} is not a press recording: it has no {names[1]}")
+        codes, probed = arrays[names[0]].values, arrays.get(names[2])
+        force_n, probed = arrays.get(names[1]), None if probed is None else probed.values
+        said = f"{path}: arrays {', '.join(name for name in names if name in arrays)}"
     else:
-        if force_path is None:
-            raise ValueError(f"{path} contains only codes: give the forces with --force, or use a .npz file")
-        codes, probed = files.read_array(path), None
-        force_n = files.read_array(force_path)
-        if Path(force_path).suffix.lower() == ".csv" and len(force_n) == 1:
-            force_n = force_n[0]
+        if Path(path).suffix.lower() == ".npz":
+            raise ValueError(f"{path} is not a press recording: it has no codes")
+        force_n, probed = next((one for one in arrays.values() if one.unit == "N"), None), None
+        if force_n is not None and not given.get("column"):
+            others = [one.name for one in arrays.values() if one.unit != "N" and not one.is_time]
+            given["column"] = [name for name in others if not arrays[name].is_index]
+        if force_n is None and force_path is None:
+            raise ValueError(
+                f"{path} contains only codes: give the forces with --force, or in a column in N, or use a "
+                "file "
+                "with the arrays codes and force_n"
+            )
+        found = readers.read(path, **given)
+        codes, done = found.scaled(volts_per_code, converter)
+        said = f"{found.said}; {done}"
+    if force_path is not None:
+        other = readers.read(force_path)
+        force_n = other.values[0] if other.values.ndim == 2 and len(other.values) == 1 else other.values
+        said += f"; forces of {other.said}"
+    else:
+        force_n = force_n.values
     codes = check_codes(codes)
-    return codes, cell_forces(force_n, codes.shape, probed)
+    return codes, cell_forces(force_n, codes.shape, probed), said
 
 
 def named(cells):
@@ -519,13 +534,17 @@ def _besides(codes, force_n, lines, low, high):
 
 def command(arguments):
     """``meissner calibrate``."""
-    codes, force_n = read_recording(arguments.recording, arguments.force)
+    given = {"column": arguments.column, "unit": arguments.unit, "shape": arguments.shape}
+    codes, force_n, said = read_recording(
+        arguments.recording, arguments.force, arguments.volts_per_code, **given
+    )
     low, high = ends(codes, arguments.adc_bits)
     lines, deviation_n = fit(codes, force_n, arguments.lsb, low=low, high=high)
     if files.check_out(arguments.out).suffix.lower() != ".npz":
         raise ValueError(f"{arguments.out} must be a .npz file")
     with files.written(arguments.out) as file:
         lines.save(file)
+    print(plain(said))
     frames, rows, columns = codes.shape
     dead = int(lines.dead.sum())
     print(

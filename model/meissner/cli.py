@@ -5,7 +5,7 @@ A command imports what it needs when it runs; meissner.parser gives the reason.
 
 import os
 import sys
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from importlib import import_module
 
 from meissner.parser import parser
@@ -75,20 +75,35 @@ def run(arguments):
     if not os.access(there, os.W_OK | os.X_OK):
         raise ValueError(f"the folder {there} cannot be written to")
     given = scene, arguments.engine, out, arguments.seed, arguments.waves
-    try:
-        summary = run.run(*given, _progress(f"running {scene.name}"), jobs)
-    except OSError as problem:  # a failed write does not name its file
-        problem.filename = problem.filename or f"the results in {out}"
-        raise
-    if arguments.json:
-        print(json.dumps(summary, indent=2))
-    else:
-        _tell(scene, summary, out)
+    with _shown(scene, arguments) as done:
+        try:
+            summary = run.run(*given, _progress(f"running {scene.name}"), jobs)
+        except OSError as problem:  # a failed write does not name its file
+            problem.filename = problem.filename or f"the results in {out}"
+            raise
+        if arguments.json:
+            print(json.dumps(summary, indent=2), flush=True)
+        else:
+            _tell(scene, summary, out)
+        done(out)
     if wrong := summary["twin_mismatches"]:
         sys.stdout.flush()
         said = f"{plain(scene.name)}: the core differs from its integer twin in {wrong} values"
         print(f"meissner: {said}", file=sys.stderr)
         sys.exit(1)
+
+
+@contextmanager
+def _shown(scene, arguments):
+    """With --web, a page plays the scene meanwhile; the function given shows the report there, and returns
+    at Ctrl-C."""
+    if not arguments.web and arguments.web_port is None:
+        yield lambda out: None
+        return
+    from meissner.host import commands
+
+    with commands.shown(scene, arguments) as done:
+        yield done
 
 
 def _tell(scene, summary, out):

@@ -1,5 +1,6 @@
 """Reading and writing of users' files: complete or not at all, with one sentence for any failure."""
 
+import csv
 import errno
 import io
 import math
@@ -40,25 +41,10 @@ def check_in(path):
     return path
 
 
-def read_array(path):
-    """The array in a .npy file or a .csv file (one column per channel, returned as [channels, samples])."""
-    path = check_in(path)
-    if path.suffix.lower() == ".csv":
-        try:
-            with warnings.catch_warnings(action="ignore"):  # about an empty file, which is refused below
-                # utf-8-sig: spreadsheets put a byte order mark before the first number
-                table = np.loadtxt(path, delimiter=",", ndmin=2, comments="#", encoding="utf-8-sig")
-        except ValueError as problem:
-            raise ValueError(f"{path} is not a table of numbers: {problem}") from None
-        if not table.size:
-            raise ValueError(f"{path} holds no numbers")
-        return table.T
-    if path.suffix.lower() == ".npy":
-        array = _load(path)
-        if not isinstance(array, np.ndarray):  # an archive of arrays is refused too
-            raise ValueError(f"{path} is not a .npy file of numbers")
-        return array
-    raise ValueError(f"{path} must be a .npy or a .csv file")
+def read_npy(path):
+    """The array in a .npy file; None if it is not such a file, but an archive or damaged."""
+    array = _load(check_in(path))
+    return array if isinstance(array, np.ndarray) else None
 
 
 def read_arrays(path, wanted=None):
@@ -194,7 +180,9 @@ def _write_table(file, arrays):
     for name, array in arrays.items():
         several = {f"{name}_{channel}": row for channel, row in enumerate(array)} if array.ndim == 2 else {}
         columns |= several or {name: array}
-    file.write((",".join(columns) + "\r\n").encode("ascii"))
+    text = io.TextIOWrapper(file, "utf-8", newline="")
+    table = csv.writer(text)
+    table.writerow(columns)
     for row in zip(*(column.tolist() for column in columns.values()), strict=True):
-        cells = (str(int(cell) if isinstance(cell, bool) else cell) for cell in row)
-        file.write((",".join(cells) + "\r\n").encode("ascii"))
+        table.writerow(int(cell) if isinstance(cell, bool) else cell for cell in row)
+    text.detach()

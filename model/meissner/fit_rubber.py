@@ -6,7 +6,6 @@ k0, k1 and n: least squares on log dV (scipy.optimize.curve_fit), because the de
 taken as proportional to the step. Their intervals: Student's t with the standard errors of that fit.
 """
 
-import csv
 import warnings
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meissner import files
+from meissner import readers
 from meissner.interval import CONFIDENCE
+from meissner.readers.table import TIMES, VOLTS
 from meissner.terminal import plain
 
 RECORDING = ("time_s", "volts", "speed_mm_s")
@@ -62,60 +62,37 @@ class Fit:
         return (np.asarray(step_v) / (k0 + k1 * np.asarray(rest_v))) ** (1.0 / n)
 
 
-def _table(path):
-    """{column: [text of each row]} of a .csv with a header line."""
-    try:
-        with files.check_in(path).open(encoding="utf-8-sig", newline="") as file:
-            rows = [(line, row) for line, row in enumerate(csv.reader(file), 1) if row and row[0][:1] != "#"]
-    except (UnicodeDecodeError, csv.Error):
-        raise ValueError(f"{path} is not a table of text") from None
-    if not rows:
-        raise ValueError(f"{path} is empty")
-    names = [name.strip() for name in rows[0][1]]
-    for line, row in rows[1:]:
-        if len(row) != len(names):
-            raise ValueError(f"{path}, line {line}: {len(row)} values under {len(names)} names")
-    return {name: [row[place] for _, row in rows[1:]] for place, name in enumerate(names)}
+def _columns(path):
+    """{name: values} of a file's columns: its times in seconds, the only one in volts, the speed in mm/s."""
+    found, volts = {}, []
+    for one in readers.table(path, (*RECORDING, *STEPS)).columns:
+        values, name = one.values, one.name
+        if one.is_time and one.unit in TIMES:
+            name, values = "time_s", values / TIMES[one.unit]
+        elif one.unit == "mm/s":
+            name = "speed_mm_s"
+        elif one.unit in VOLTS:
+            volts.append(values / VOLTS[one.unit])
+        found[name] = values
+    return found if len(volts) != 1 or "step_v" in found else {"volts": volts[0]} | found
 
 
 def _numbers(path, name, values):
     """A column as float64; ValueError unless every value is a finite number."""
-    try:
-        values = np.asarray(values)
-        if values.ndim != 1 or values.dtype.kind not in "iufU":
-            raise TypeError
-        values = values.astype(float)
-    except (TypeError, ValueError):
-        wrong = next((text for text in values if not _is_number(text)), "what it is")
-        raise ValueError(f"{path}: {name} must hold one number a row, not '{str(wrong)[:40]}'") from None
+    if values.ndim != 1 or values.dtype.kind not in "iuf":
+        raise ValueError(f"{path}: {name} must hold one number a row, not {values.dtype} {[*values.shape]}")
     wrong = np.flatnonzero(~np.isfinite(values))
     if len(wrong):
         raise ValueError(f"{path}: {name} is {values[wrong[0]]} in row {wrong[0] + 1}; it must be finite")
-    return values
-
-
-def _is_number(text):
-    try:
-        float(text)
-    except (TypeError, ValueError):
-        return False
-    return True
+    return values.astype(float)
 
 
 def read(path):
     """The Steps in a file with one row per sample (RECORDING) or per step (STEPS); ValueError without any.
 
-    A .csv with a header line, or a .npz with arrays of these names; other columns are ignored.
+    Any file that meissner.readers reads, with columns or arrays of these names; others are ignored.
     """
-    suffix = files.check_in(path).suffix.lower()
-    if suffix == ".csv":
-        found = _table(path)
-    elif suffix == ".npz":
-        found = files.read_arrays(path, lambda name, *_: name in {*RECORDING, *STEPS})
-        if found is None:
-            raise ValueError(f"{path} is not a .npz file of numbers")
-    else:
-        raise ValueError(f"{path} must be a .csv or a .npz file")
+    found = _columns(path)
     form = STEPS if "step_v" in found or "rest_v" in found else RECORDING
     for name in form:
         if name not in found:
@@ -129,8 +106,6 @@ def read(path):
             raise ValueError(
                 f"{path}: {form[0]} has {len(columns[0])} rows and {name} has {len(column)}; they must agree"
             )
-    if not len(columns[0]):
-        raise ValueError(f"{path} holds no rows")
     return Steps(*columns) if form is STEPS else steps_of(*columns)
 
 

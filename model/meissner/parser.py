@@ -8,6 +8,7 @@ from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
 LOADED = "a file that `meissner calibrate` wrote, to write into the core first"
+PLANTED = "a file that `meissner export-forest` wrote, to write into the core first"
 CONFIG = "the core's configuration, for physical units: a name or a TOML file"
 
 
@@ -23,8 +24,56 @@ def _out(parser, metavar, what, required=False, holds=""):
     parser.set_defaults(holds=holds)
 
 
+def _web(parser, what):
+    parser.add_argument("--web", action="store_true", help=f"{what} on a page of this machine, 127.0.0.1")
+    parser.add_argument("--web-port", type=int, metavar="N", help="the same on this port (8642; 0: any free)")
+
+
 def _jobs(parser):
     parser.add_argument("--jobs", type=int, metavar="N", help="processor cores to use (all of them)")
+
+
+def _shape(text):
+    """(rows, columns) of ``3x4``."""
+    rows, _, columns = text.lower().replace("×", "x").partition("x")
+    if not (rows.isdecimal() and columns.isdecimal() and int(rows) and int(columns)):
+        raise argparse.ArgumentTypeError(f"{plain(text)} must be rows and columns such as 3x4")
+    return int(rows), int(columns)
+
+
+def _reading(parser, shape=False, rate=False):
+    """What a recording does not say, or says of several things (docs/own_recordings.md)."""
+    parser.add_argument(
+        "--column",
+        action="append",
+        metavar="NAMES",
+        help="columns, arrays or the topic to read: names or numbers from 1, by commas (all but times)",
+    )
+    parser.add_argument("--unit", metavar="UNIT", help="of the numbers: V, mV, uV, codes, N (the file's)")
+    parser.add_argument(
+        "--volts-per-code", type=float, metavar="V", help="of the converter, for recordings in volts"
+    )
+    if rate:
+        parser.add_argument(
+            "--rate", type=float, metavar="HZ", help="samples per second of each channel (the file's)"
+        )
+    if shape:
+        parser.add_argument(
+            "--shape", type=_shape, metavar="RxC", help="taxels of an array whose columns are channels, 3x4"
+        )
+
+
+def _slip_settings(parser, threshold):
+    """``threshold``: whether the command takes one."""
+    parser.add_argument("--config", metavar="FILE", help="a configuration with [slip]: a name or a TOML file")
+    if threshold:
+        parser.add_argument("--threshold", type=int, help="codes of the unnormalised detail")
+    parser.add_argument("--window", type=int, help="samples, a power of two from 4 (64)")
+    parser.add_argument("--hop", type=int, help="samples, even, 2 to window (default: the window)")
+    parser.add_argument("--level", type=int, help="Haar level, 1 to 3 (1)")
+
+
+RECORDING = "a recording: CSV, npy, npz, wav, mat, sr, mcap, h5, tdms, bag (docs/own_recordings.md)"
 
 
 def parser():
@@ -39,6 +88,7 @@ def parser():
     _choose(commands)
     _calibrate(commands)
     _fit_rubber(commands)
+    _threshold(commands)
     _forest(commands)
     _config(commands)
     return top
@@ -59,6 +109,7 @@ def _run(commands):
     _jobs(run)
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
     run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
+    _web(run, "while it runs, play its first condition")
     run.set_defaults(call="meissner.cli:run")
 
     scene = commands.add_parser("scene", help="check a scene and explain why it needs each part")
@@ -72,20 +123,25 @@ def _run(commands):
 def _process(commands):
     process = commands.add_parser("process", help="run one part of the core over recorded samples")
     parts = process.add_subparsers(dest="part", required=True, metavar="PART")
-    slip = parts.add_parser("slip", help="slip per window from samples [samples] or [channels, samples]")
-    slip.add_argument("input", metavar="IN.npy", help="integer codes; or .csv with one column per channel")
-    slip.add_argument("--rate", type=float, required=True, help="samples per second of each channel")
-    slip.add_argument("--threshold", type=int, required=True, help="codes of the unnormalised detail")
-    slip.add_argument("--window", type=int, default=64, help="samples, a power of two from 4 (64)")
-    slip.add_argument("--hop", type=int, help="samples, even, 2 to window (default: the window)")
-    slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
+    slip = parts.add_parser(
+        "slip",
+        help="slip per window from samples [samples] or [channels, samples]",
+        epilog="example: meissner process slip own.csv --config mine.toml --out OUT.npz",
+    )
+    slip.add_argument("input", metavar="IN", help=RECORDING)
+    _slip_settings(slip, threshold=True)
+    _reading(slip, shape=True, rate=True)
+    slip.add_argument(
+        "--calibration", metavar="CAL.npz", help="turns an array's codes into forces, with --config"
+    )
     slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     _jobs(slip)
     _out(slip, "OUT.npz", "output file, .npz or .csv", required=True)
     slip.set_defaults(call="meissner.process:slip")
 
     cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
-    cop.add_argument("input", metavar="IN.npy", help="integers, 0 to 65535; codes with --calibration")
+    cop.add_argument("input", metavar="IN", help="forces, 0 to 65535; codes with --calibration; " + RECORDING)
+    _reading(cop, shape=True)
     cop.add_argument("--min-load", type=int, default=1, help="minimum sum of forces for a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="a file that `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
@@ -94,7 +150,8 @@ def _process(commands):
     cop.set_defaults(call="meissner.process:cop")
 
     cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
-    cop4.add_argument("input", metavar="IN.npy", help="codes of E1 to E4; or .csv with a column each")
+    cop4.add_argument("input", metavar="IN", help="codes or volts of E1 to E4, a column each; " + RECORDING)
+    _reading(cop4)
     cop4.add_argument(
         "--config", required=True, metavar="C.toml", help="docs/cop4.md, or a build's (docs/config.md)"
     )
@@ -104,13 +161,23 @@ def _process(commands):
     cop4.set_defaults(call="meissner.process:cop4")
 
     rope = parts.add_parser("rope", help="slip of each frame by a forest, from samples [samples, channels]")
-    rope.add_argument("input", metavar="IN.npy", help="integer codes; or .csv with one column per channel")
-    rope.add_argument(
-        "--forest", required=True, metavar="F.json", help="docs/forest.md; its features: docs/rope.md"
-    )
-    rope.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    _out(rope, "OUT.npz", "output file, .npz or .csv", required=True)
+    rope.add_argument("input", metavar="IN", help="codes, a column for each channel; " + RECORDING)
+    _reading(rope)
     rope.set_defaults(call="meissner.rope.process:rope")
+    forest = parts.add_parser("forest", help="class of each row of features [rows, features] by a forest")
+    forest.add_argument("input", metavar="X.npy", help="numbers; or .csv, columns by name if it has a header")
+    forest.add_argument(
+        "--single", action="store_true", help="also count the clocks of each row alone (rtl, gate)"
+    )
+    forest.set_defaults(call="meissner.forest.process:forest")
+    for part in (rope, forest):
+        part.add_argument(
+            "--forest", required=True, metavar="F.json", help="docs/forest.md; or the .skops or .onnx model"
+        )
+        part.add_argument("--trust", action="store_true", help="also a .joblib model, which runs its code")
+        part.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+        part.add_argument("--engines", type=int, default=1, metavar="N", help="tree engines, 1 to 64 (1)")
+        _out(part, "OUT.npz", "output file, .npz or .csv", required=True)
 
 
 def _host(commands):
@@ -121,12 +188,14 @@ def _host(commands):
     )
     regs.add_argument("--config", metavar="FILE", help=CONFIG)
     regs.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
+    regs.add_argument("--forest", metavar="F.json", help=PLANTED)
     regs.set_defaults(call="meissner.host.commands:regs")
 
     live = commands.add_parser(
         "live", help="show a core's packets as they arrive: slip, centre of pressure, image"
     )
     _line_arguments(live)
+    _web(live, "show them, and set thresholds,")
     live.set_defaults(call="meissner.host.commands:live")
 
     log = commands.add_parser(
@@ -146,7 +215,8 @@ def _host(commands):
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
-    _out(replay, "OUT.npz", "output file, .npz or .csv", required=True)
+    _out(replay, "OUT.npz", "output file, .npz or .csv; required without --web")
+    _web(replay, "play the log")
     replay.set_defaults(call="meissner.host.commands:replay")
 
 
@@ -163,6 +233,7 @@ def _line_arguments(parser):
     )
     parser.add_argument("--config", metavar="FILE", help=CONFIG)
     parser.add_argument("--calibration", metavar="CAL.npz", help=LOADED)
+    parser.add_argument("--forest", metavar="F.json", help=PLANTED)
     parser.add_argument(
         "--clk-khz", type=int, metavar="KHZ", help="the core's clock, if its registers are not read"
     )
@@ -318,8 +389,11 @@ def _choose(commands):
 
 def _calibrate(commands):
     parser = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
-    parser.add_argument("recording", metavar="RECORDING", help=".npz of codes and force_n; or .npy of codes")
-    parser.add_argument("--force", metavar="FORCE.npy", help="newtons [frames] or [frames, rows, columns]")
+    parser.add_argument(
+        "recording", metavar="RECORDING", help="arrays codes and force_n; or codes, or columns with one in N"
+    )
+    parser.add_argument("--force", metavar="FORCE", help="newtons [frames] or [frames, rows, columns]")
+    _reading(parser, shape=True)
     parser.add_argument(
         "--lsb", type=float, metavar="N", help="newtons per code of force (default: the finest)"
     )
@@ -333,7 +407,7 @@ def _calibrate(commands):
 def _fit_rubber(commands):
     parser = commands.add_parser("fit-rubber", help="k0, k1 and n of a lot of rubber from its shear steps")
     parser.add_argument(
-        "recording", metavar="RECORDING", help=".csv or .npz of time_s, volts, speed_mm_s (docs/shear.md)"
+        "recording", metavar="RECORDING", help="columns time_s, volts, speed_mm_s (docs/shear.md)"
     )
     parser.add_argument(
         "--codes-per-v",
@@ -343,6 +417,24 @@ def _fit_rubber(commands):
         help="converter codes per volt, for the register values (819.2)",
     )
     parser.set_defaults(call="meissner.fit_rubber:command")
+
+
+def _threshold(commands):
+    parser = commands.add_parser(
+        "threshold",
+        help="thresholds from a quiet hold, and from slips, with the rate of false alarms they promise",
+        epilog="example: meissner threshold quiet.csv slip.csv --config mine.toml",
+    )
+    parser.add_argument("input", metavar="QUIET", help="a hold in which nothing slips; " + RECORDING)
+    parser.add_argument("slips", metavar="SLIP", nargs="?", help="a recording with slips, of the same form")
+    _slip_settings(parser, threshold=False)
+    parser.add_argument(
+        "--per-hour", type=float, default=1.0, metavar="N", help="false alarms per hour to promise (1)"
+    )
+    _reading(parser, shape=True, rate=True)
+    _out(parser, "PICTURE", "the picture, a .png or a .svg file (threshold.png)")
+    call = "meissner.threshold:command"
+    parser.set_defaults(call=call, engine="fixed", calibration=None, out="threshold.png")
 
 
 def _forest(commands):

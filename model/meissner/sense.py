@@ -5,6 +5,8 @@ Each class has ``process(x)``, which starts from reset, and ``next(x)``, which c
 (meissner.twins); meissner.engines runs the same on the RTL itself. Results have the names of the arrays that
 ``meissner process`` writes (OUT.npz); docs/decisions/host.md lists what each class adds.
 
+In place of an array each takes the path of a recording, or a Recording of meissner.read, whose codes it uses.
+
 Input that the core cannot take raises ValueError, an argument of the wrong class TypeError, each with one
 sentence. Floats are refused even if they are whole, since volts are a common mistake.
 """
@@ -24,6 +26,7 @@ from meissner.inputs import (
     check_range,
 )
 from meissner.physics.cop4_config import Cop4Config
+from meissner.readers import taken
 from meissner.twins.cop import cop4 as cop4_twin
 from meissner.twins.cop.cop import cop_divide, moments
 from meissner.twins.frontend.calibrate import forces
@@ -180,7 +183,7 @@ class Slip:
         ValueError
             For another shape, floats and codes of more than 17 bits; the state then stays.
         """
-        x = np.atleast_2d(np.asarray(x))
+        x = np.atleast_2d(np.asarray(taken(x)))
         if x.ndim != 2 or len(x) != self.channels:
             raise ValueError(f"the samples must have the shape [{self.channels}, samples], not {x.shape}")
         if x.size:  # NumPy takes an empty list for floats
@@ -254,7 +257,7 @@ class Cop:
             For another shape, no frames, floats, forces out of range and a ``min_load`` beyond the register
             of an array of this size.
         """
-        forces = check_forces(forces, floats=False)
+        forces = check_forces(taken(forces), floats=False)
         rows, columns = forces.shape[1:]
         check_min_load(self.min_load, rows, columns)
         total, mx, my = moments(forces)
@@ -303,7 +306,7 @@ class Array:
             For another shape than the calibration's, no frames, floats and codes of more than 17 bits.
         """
         own = self.calibration
-        codes = check_codes(codes, own.offset.shape, floats=False)
+        codes = check_codes(taken(codes), own.offset.shape, floats=False)
         return forces(codes, own.offset, own.gain, own.gain_shift, mask=own.dead)
 
     def next(self, codes: ArrayLike) -> CopResult:
@@ -347,7 +350,7 @@ class Cop4:
             For another shape, no samples, floats and codes that the converter does not give.
         """
         own = self.config
-        codes = check_electrodes(codes, own.adc.bits, floats=False)
+        codes = check_electrodes(taken(codes, samples_first=True), own.adc.bits, floats=False)
         return Cop4Result(*cop4_twin.cop4(codes, own.registers, own.sample_bits, own.terms))
 
     def process(self, codes: ArrayLike) -> Cop4Result:

@@ -115,8 +115,9 @@ module msn_display #(
     );
 
     logic               unused_wrap;
-    logic [PinBits-1:0] pins, limited;
-    logic [31:0]        dropped;
+    logic [PinBits-1:0] pins;
+    logic               limited;
+    logic [15:0]        dropped;
     msn_pin_display #(
       .Pins(Pins), .Chains(Chains), .AmplitudeBits(AmplitudeBits), .ClkKhz(ClkKhz)
     ) u_pins (
@@ -129,8 +130,7 @@ module msn_display #(
       .hv_data_o, .hv_clk_o, .hv_le_o, .hv_bl_o, .hv_pol_o, .hv_dir_o,
       .running_o(running), .wrap_o(unused_wrap), .pins_o(pins), .limited_o(limited), .dropped_o(dropped)
     );
-    assign status_o = {8'(PinRows), 8'(PinColumns), 8'(AmplitudeBits), running, fault, 12'(pins), 12'(limited),
-                       dropped, faults};
+    assign status_o = {8'(PinRows), 8'(PinColumns), 8'(AmplitudeBits), running, fault, limited, 12'(pins), dropped, faults};
 
     logic unused;
     assign unused = ^{sensor_i, cop_i, octant, unused_busy, unused_ready, unused_half, unused_id, unused_wrap};

@@ -5,7 +5,7 @@
 //   pin i                       chain i / ChainPins, output i mod ChainPins, the first driver's HVOUT1 first
 //   high                        level > 0 and slot <= level
 //
-//   clocks after step_i   1 ..   waits while busy_i, then the chains shift side by side, 16 bits and a pause a word
+//   clocks after step_i   1 ..   waits while busy_i, then the chains shift side by side, 8 bits and a pause a word
 //                         Lead   the latch opens for 100 ns or more: in every slot as long after its beginning
 //
 // After the first latch the blanking ends. off_i blanks all outputs in the next clock. Polarity is never low, where
@@ -59,7 +59,7 @@ module msn_pin_shift #(
     $fatal(1, "msn_pin_shift: SclkKhz = %0d and ClkKhz = %0d must be at least 1", SclkKhz, ClkKhz);
   end
 
-  localparam int unsigned Word      = 16;
+  localparam int unsigned Word      = 8;
   localparam int unsigned ChainPins = (Pins + Chains - 1) / Chains;
   localparam int unsigned ChainBits = (ChainPins + 63) / 64 * 64;  // of whole drivers
   localparam int unsigned Half      = (ClkKhz + 2 * SclkKhz - 1) / (2 * SclkKhz);
@@ -69,7 +69,7 @@ module msn_pin_shift #(
   localparam int unsigned LaneBits     = msn_pkg::index_width(ChainPins);
   localparam int unsigned IndexBits    = msn_pkg::index_width(Chains);
   localparam int unsigned PositionBits = $clog2(ChainBits);
-  localparam int unsigned WordBits     = PositionBits - 4;
+  localparam int unsigned WordBits     = PositionBits - 3;
   localparam int unsigned LeadBits     = $clog2(Lead);
   localparam int unsigned LeBits       = msn_pkg::index_width(LeClocks);
 
@@ -78,13 +78,13 @@ module msn_pin_shift #(
   logic                    loading, loaded, full, final_word, timing, latch, begins;
   logic                    gather, gather_1, gather_2, word_start, word_run, word_done;
   logic [PositionBits-1:0] position;              // from the farthest output on
-  logic [4:0]              gathered;              // bits of a word
+  logic [3:0]              gathered;              // bits of a word
   logic [WordBits-1:0]     words_left;
   logic [SlotBits-1:0]     slot;
   logic [LeadBits-1:0]     lead;
   logic [LeBits-1:0]       le_clocks;
   assign busy_o     = loading || word_run;
-  assign gather     = loading && !busy_i && !gathered[4];
+  assign gather     = loading && !busy_i && !gathered[3];
   assign word_start = full && (!word_run || word_done);
   assign latch      = timing && lead == '0;
 

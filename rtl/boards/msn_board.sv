@@ -34,6 +34,10 @@ module msn_board (
 `ifdef MSN_SLIP_PINS
   output logic [`MSN_SLIP_PINS-1:0]  slip_each_o,  // of channel k, by its last decision
 `endif
+`ifdef MSN_SDRAM
+  output msn_pkg::sdram_t            sdram_o,      // of the forest's nodes
+  input  logic [15:0]                sdram_dq_i,
+`endif
   output logic                       pressed_o,
 `ifdef MSN_PIN_CHAINS
   output logic [`MSN_PIN_CHAINS-1:0] hv_data_o,    // of the pin display
@@ -58,6 +62,13 @@ module msn_board (
   logic [Converters-1:0] cs_n, sclk, mosi, convst, reset;
   msn_pkg::verdict_t     verdict;
   msn_pkg::decision_t    decision;
+  msn_pkg::sdram_t       sdram;
+  logic [15:0]           sdram_dq;
+`ifdef MSN_SDRAM
+  assign {sdram_o, sdram_dq} = {sdram, sdram_dq_i};
+`else
+  assign sdram_dq = '0;
+`endif
   msn_core #(
     `MSN_PARAMETERS
   ) u_core (
@@ -68,6 +79,7 @@ module msn_board (
     .actuator_moving_i(moving_i),
     .in_valid_i(1'b0), .in_ready_o(), .in_data_i('0), .in_id_i('0), .in_last_i(1'b0),
     .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o(), .grip_word_o(), .pwm_o,
+    .sdram_o(sdram), .sdram_dq_i(sdram_dq),
 `ifdef MSN_PIN_CHAINS
     .hv_data_o, .hv_clk_o, .hv_le_o, .hv_bl_o, .hv_pol_o, .hv_dir_o,
 `else
@@ -117,6 +129,6 @@ module msn_board (
 `endif
 
   logic unused;
-  assign unused = ^{cs_n, sclk, mosi, convst, reset, verdict, decision};
+  assign unused = ^{cs_n, sclk, mosi, convst, reset, verdict, decision, sdram};
 
 endmodule

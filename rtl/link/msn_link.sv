@@ -2,9 +2,9 @@
 //
 // The link to the host, with the clock count for the times in packets and the last centre of pressure's `pressed`.
 //
-//   Uart:      changes, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
+//   Uart:      changes, classes, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
 //              register bus ── bridge ── uart_rx ── line,   bridge ── answers ── packet
-//   else:      changes, CoP, health, counters, images ── packet ── bytes, unframed;   register bus ── the host's bus
+//   else:      changes, classes, CoP, health, counters, images ── packet ── bytes, unframed;   register bus ── the host's bus
 //   SlipOnly:  changes ── link_slip ── line
 //   changes:   decisions ── slip_changes
 //
@@ -25,6 +25,7 @@ module msn_link #(
   parameter int unsigned FirstState    = 0,     // as in msn_packet, like the ones below
   parameter int unsigned SlipDepth     = 64,
   parameter bit          Cop           = 1'b1,
+  parameter bit          Classes       = 1'b0,
   parameter bit          Health        = 1'b1,
   parameter bit          Statistics    = 1'b1,
   parameter int unsigned StatisticBits = 22,
@@ -44,6 +45,9 @@ module msn_link #(
   input  logic                            decision_valid_i,
   output logic                            decision_ready_o,
   input  msn_pkg::decision_t              decision_i,
+  input  logic                            class_valid_i,
+  output logic                            class_ready_o,
+  input  msn_pkg::class_t                 class_i,
   input  logic                            cop_valid_i,
   input  msn_pkg::cop_t                   cop_i,
   output logic                            pressed_o,         // the last centre of pressure
@@ -150,7 +154,7 @@ module msn_link #(
       .tx_o
     );
     assign {status_o.packets, status_o.cop_dropped, status_o.image_dropped, health_ready_o} = '0;
-    assign {answer_ready, states_id, out_valid_o, out_data_o, out_last_o} = '0;
+    assign {class_ready_o, answer_ready, states_id, out_valid_o, out_data_o, out_last_o} = '0;
 
   end else begin : gen_packets
     localparam int unsigned StatisticsBits = Statistics ? 288 : 32;
@@ -168,15 +172,16 @@ module msn_link #(
     logic [msn_pkg::index_width(States)-1:0] asked_id;
     assign states_id = IdBits'(asked_id);
     msn_packet #(
-      .SlipDepth(SlipDepth), .States(States), .FirstState(FirstState), .Cop(Cop), .Health(Health),
-      .Answers(Uart && Registers), .Statistics(Statistics ? 9 : 0), .StatisticBits(StatisticBits),
+      .SlipDepth(SlipDepth), .States(States), .FirstState(FirstState), .Cop(Cop),
+      .Classes(Classes), .Health(Health), .Answers(Uart && Registers), .Statistics(Statistics ? 9 : 0),
+      .StatisticBits(StatisticBits),
       .Taxels(Taxels), .Chunk(Chunk)
     ) u_packet (
       .clk_i, .rst_i,
       .now_i(now_o),
       .slip_valid_i(change_valid), .slip_ready_o(change_ready), .slip_room_o(room), .slip_i(change),
       .slip_time_i(time_i), .states_i(cfg_i.states), .states_id_o(asked_id), .states_state_i(states_state),
-      .cop_valid_i, .cop_i, .cop_time_i(time_i),
+      .class_valid_i, .class_ready_o, .class_i, .cop_valid_i, .cop_i, .cop_time_i(time_i),
       .health_valid_i, .health_ready_o, .health_i,
       .answer_valid_i(answer_valid), .answer_ready_o(answer_ready), .answer_data_i(answer),
       .statistics_i(statistics),
@@ -213,6 +218,7 @@ module msn_link #(
   // Signals that some builds do not use.
   logic unused;
   assign unused = ^{cfg_i, status_i, convert_i, time_i, decision_i, cop_i, health_valid_i, health_i,
+                    class_valid_i, class_i,
                     image_valid_i, image_data_i, image_last_i, bus_done_i, bus_error_i, bus_rdata_i, rx_i,
                     host_valid_i, host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i,
                     answer_valid, answer, answer_ready, states_state};

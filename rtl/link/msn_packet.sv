@@ -8,6 +8,7 @@
 //                 them an image's packet
 //   answers       of the register bridge, never dropped
 //   states        of all channels on request, up to 128 to a packet; msn_state_report
+//   class         of the forest, one at a time: class_ready_o is low until its packet has begun
 //   CoP           the newest; it replaces an older one not yet sent, which is counted
 //   health        one at a time: health_ready_o is low until its packet has begun
 //   statistics    one counter every 2^StatisticBits clocks, in turn
@@ -22,6 +23,7 @@ module msn_packet #(
   parameter  int unsigned States        = 0,     // channels whose states can be asked for
   parameter  int unsigned FirstState    = 0,     // as in msn_state_report
   parameter  bit          Cop           = 1'b1,
+  parameter  bit          Classes       = 1'b0,  // the core has a forest
   parameter  bit          Health        = 1'b1,
   parameter  bit          Answers       = 1'b1,
   parameter  int unsigned Statistics    = 4,     // counters; 0: none
@@ -41,6 +43,9 @@ module msn_packet #(
   output logic                   slip_room_o,
   input  msn_pkg::change_t       slip_i,
   input  logic [47:0]            slip_time_i,
+  input  logic                   class_valid_i,
+  output logic                   class_ready_o,
+  input  msn_pkg::class_t        class_i,
   input  logic                   cop_valid_i,
   input  msn_pkg::cop_t          cop_i,
   input  logic [47:0]            cop_time_i,
@@ -94,9 +99,9 @@ module msn_packet #(
   localparam int unsigned PayloadBits = 96;
   localparam int unsigned RecordBits  = 8 + 4 + 48 + PayloadBits;
 
-  logic slip_valid, cop_valid, health_valid, statistic_valid, image_valid;
-  logic slip_take, cop_take, health_take, statistic_take, image_take, states_valid, states_take;
-  logic [RecordBits-1:0] slip, cop, health, answer, statistic, image, states;
+  logic slip_valid, class_valid, cop_valid, health_valid, statistic_valid, image_valid;
+  logic slip_take, class_take, cop_take, health_take, statistic_take, image_take, states_valid, states_take;
+  logic [RecordBits-1:0] slip, classes, cop, health, answer, statistic, image, states;
 
   logic slip_start;  // the change that waits starts a slip
   if (SlipDepth > 0) begin : gen_slip
@@ -118,6 +123,21 @@ module msn_packet #(
     assign {slip_ready_o, slip_room_o, slip_valid, slip_start, slip} = '0;
     logic unused_slip;
     assign unused_slip = ^{slip_valid_i, slip_take};
+  end
+
+  if (Classes) begin : gen_class
+    assign class_ready_o = !class_valid;
+    always_ff @(posedge clk_i) begin
+      class_valid <= (class_valid_i && class_ready_o) || (class_valid && !class_take);
+      if (class_ready_o) begin
+        classes <= {PayloadBits'({class_i.votes, class_i.told, class_i.label}), class_i.stamp, 4'd8, 8'd8};
+      end
+      if (rst_i) class_valid <= 1'b0;
+    end
+  end else begin : gen_no_class
+    assign {class_ready_o, class_valid, classes} = '0;
+    logic unused_class;
+    assign unused_class = ^{class_valid_i, class_i, class_take};
   end
 
   if (Cop) begin : gen_cop
@@ -233,18 +253,20 @@ module msn_packet #(
   // The chosen source is registered and its record taken a clock later, because the record is wide.
   logic                  idle, some, others, yields;  // yields: changes do, to the others
   logic [2:0]            changes;                     // since a packet of an image
-  logic [6:0]            waits, turn;  // the first of those that wait
+  logic [7:0]            waits, turn;  // the first of those that wait
   logic [RecordBits-1:0] chosen;
   assign idle  = state == Idle && !out_valid_o;
-  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, states_valid, answer_valid,
+  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, class_valid, states_valid,
+                  answer_valid,
                   slip_valid && (slip_start || !((yields && others) || (&changes && image_valid)))};
-  assign others = statistic_valid || health_valid || cop_valid || states_valid || answer_valid;
+  assign others = statistic_valid || health_valid || cop_valid || class_valid || states_valid || answer_valid;
   assign some  = |waits;
-  assign {image_take, statistic_take, health_take, cop_take, states_take, answer_ready_o, slip_take} = turn;
+  assign {image_take, statistic_take, health_take, cop_take, class_take, states_take, answer_ready_o,
+          slip_take} = turn;
   assign chosen = ({RecordBits{turn[0]}} & slip) | ({RecordBits{turn[1]}} & answer) |
-                  ({RecordBits{turn[2]}} & states) | ({RecordBits{turn[3]}} & cop) |
-                  ({RecordBits{turn[4]}} & health) | ({RecordBits{turn[5]}} & statistic) |
-                  ({RecordBits{turn[6]}} & image);
+                  ({RecordBits{turn[2]}} & states) | ({RecordBits{turn[3]}} & classes) |
+                  ({RecordBits{turn[4]}} & cop) | ({RecordBits{turn[5]}} & health) |
+                  ({RecordBits{turn[6]}} & statistic) | ({RecordBits{turn[7]}} & image);
 
   // Send: at most a byte every fourth clock, so that memory and checksum have settled.
   logic [63+PayloadBits:0] bytes;  // of the record, the next byte lowest
@@ -285,14 +307,14 @@ module msn_packet #(
       upper <= 1'b0;
       if (some) state <= Record;
     end
-    if (|turn[6:1]) yields <= 1'b0;
+    if (|turn[7:1]) yields <= 1'b0;
     else if (turn[0] && !slip_start) yields <= 1'b1;
-    if (turn[6]) changes <= '0;
+    if (turn[7]) changes <= '0;
     else if (turn[0] && !slip_start && !(&changes)) changes <= changes + 1'b1;
     if (|turn) begin
       bytes     <= {chosen[RecordBits-1:12], packets_o[7:0], chosen[7:0]};
       left      <= 5'd7 + 5'(chosen[11:8]);
-      pixels    <= turn[6] || turn[2];
+      pixels    <= turn[7] || turn[2];
       of_states <= States > 0 && turn[2];
       packets_o <= packets_o + 1'b1;
     end

@@ -1,6 +1,7 @@
-"""msn_pin_display with models of the drivers at its pins: every edge of every output in its clock, by the twin; the two
-limits, pins at once and the duty in any window, from the outputs alone; faults, frames that stop, damaged and too many
-frames, settings within a period. The twin against the lists of tb/reference/pin_display.py."""
+"""msn_pin_display with models of the drivers at its pins: every edge of every output in its clock, by the
+twin; the two limits, pins at once and the duty in any window, from the outputs alone; faults, frames that
+stop, damaged and too many frames, settings within a period. The twin against the lists of
+tb/reference/pin_display.py."""
 
 import random
 from collections import Counter
@@ -12,13 +13,20 @@ from cocotb.triggers import FallingEdge
 from cocotb.utils import get_sim_time
 
 import bench
-from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize, PinDisplay, high, increment_of, share
+from meissner.twins.actuate.pin_display import (
+    DisplaySettings,
+    DisplaySize,
+    PinDisplay,
+    high,
+    increment_of,
+    share,
+)
 from parts.hv507 import Hv507
 from reference.pin_display import WRAP, Limits, Phase
 
 SIZES = [
     DisplaySize(35, 1, 1, 1000, 500, 500, 1000, 40, 50),
-    DisplaySize(9, 2, 3, 1000, 500, 150, 300, 40, 167),
+    DisplaySize(9, 2, 3, 1000, 500, 150, 290, 40, 167),
 ]
 IDLE = {"in_valid_i": 0, "in_data_i": 0, "in_last_i": 0, "fault_i": 0}
 
@@ -38,7 +46,9 @@ class Bench:
         lines = (dut.hv_clk_o, dut.hv_le_o, dut.hv_bl_o, dut.hv_pol_o)
         pass_time = lambda violation: None if str(violation)[:2] == "t_" else Hv507.fail(None, violation)
         drivers = self.size.chain_bits // 64
-        self.drivers = [Hv507(dut.hv_data_o, *lines, drivers, k, report=pass_time) for k in range(self.size.chains)]
+        self.drivers = [
+            Hv507(dut.hv_data_o, *lines, drivers, k, report=pass_time) for k in range(self.size.chains)
+        ]
         self.twin = PinDisplay(self.size, settings)
         return self
 
@@ -68,11 +78,15 @@ class Bench:
         return self.clock
 
     def changes(self, first):
-        """[(clock, levels of all pins)] of the drivers' outputs after each change, from clock ``first`` on."""
+        """[(clock, levels of all pins)] of the drivers' outputs after each change, from clock ``first``
+        on."""
         times = sorted({round((ns - self.zero) / 10) for driver in self.drivers for ns, _ in driver.changes})
         found, before = [], None
         for time in times:
-            last = [[v for ns, v in driver.changes if ns - self.zero <= 10 * time + 9][-1] for driver in self.drivers]
+            last = [
+                [v for ns, v in driver.changes if ns - self.zero <= 10 * time + 9][-1]
+                for driver in self.drivers
+            ]
             levels = tuple(v for chain in last for v in chain[: self.size.chain_pins])[: self.size.pins]
             if time >= first and levels != before:
                 found.append((time, levels))
@@ -103,20 +117,24 @@ def frame_of(draw, size):
 async def every_edge_is_the_twins(dut, duty, watchdog):
     draw, size = random.Random(f"{bench.SEED} {duty} {watchdog}"), size_of(dut)
     least, largest = size.limits
-    settings = DisplaySettings(increment=draw.randint(least, largest), duty=duty, watchdog=watchdog, most=size.pins)
+    settings = DisplaySettings(
+        increment=draw.randint(least, largest), duty=duty, watchdog=watchdog, most=size.pins
+    )
     here = await Bench().start(dut, settings)
-    frame, periods, most = frame_of(draw, size), [], []
+    frame, periods, most, changed = frame_of(draw, size), [], [], True
     await here.frame(frame)
     for n in range(40):
         clock = await here.wrap()
         if n == 0:
             here.twin.on_again(clock - size.lead)
         period = here.twin.next(frame, settings)
-        assert period.start == clock and period.silent == (n == 0 or changed)
+        assert period.start == clock and period.silent == changed
         periods.append(period)
         most.append((clock, settings.most))
         await bench.ReadOnly()
-        assert bench.read(dut.pins_o) == sum(period.levels > 0) and bench.read(dut.limited_o) == period.limited
+        assert (
+            bench.read(dut.pins_o) == sum(period.levels > 0) and bench.read(dut.limited_o) == period.limited
+        )
         await bench.RisingEdge(dut.clk_i)
         frame, changed = None, False
         if draw.random() < 0.6:
@@ -126,7 +144,9 @@ async def every_edge_is_the_twins(dut, duty, watchdog):
             words = {"most": draw.choice([0, 1, 4, size.pins]), "top": draw.choice([0, 1, 4, 255])}
             words |= {"burst_period": draw.choice([0, 3]), "burst_on": draw.choice([1, 2])}
             if draw.random() < 0.3:
-                words["increment"] = draw.choice([least, largest, (1 << 32) - 1, draw.randint(least, largest)])
+                words["increment"] = draw.choice(
+                    [least, largest, (1 << 32) - 1, draw.randint(least, largest)]
+                )
             changed = min(words.get("increment", settings.increment), largest) != here.twin.increment
             settings = DisplaySettings(**(settings.settings | words))
             here.set(settings)
@@ -138,12 +158,17 @@ async def every_edge_is_the_twins(dut, duty, watchdog):
     at_once = max(sum(levels) for _, levels in got)
     assert all(sum(v) <= dict(most)[max(c for c, _ in most if c <= clock)] for clock, v in got)
     assert at_once > 0
-    window = 8 * size.ticks * size.tick_clocks
+    window = 7 * size.ticks * size.tick_clocks
     for pin in range(size.pins):
-        driven = [(p.start, p.start + p.clocks) for p in periods[:-1] if any(
-            v[pin] for clock, v in got if p.start <= clock < p.start + p.clocks)]
+        driven = [
+            (p.start, p.start + p.clocks)
+            for p in periods[:-1]
+            if any(v[pin] for clock, v in got if p.start <= clock < p.start + p.clocks)
+        ]
         for _, end in driven:
-            spent = sum(min(b, end) - max(a, end - window) for a, b in driven if min(b, end) > max(a, end - window))
+            spent = sum(
+                min(b, end) - max(a, end - window) for a, b in driven if min(b, end) > max(a, end - window)
+            )
             assert spent <= duty * size.tick_clocks, (pin, end)
 
 
@@ -166,7 +191,9 @@ async def all_is_off_from_the_next_clock_on(dut):
         getattr(dut, name).value = 1 - level
         first, second = await here.wrap(), await here.wrap()
         await bench.clocks(dut, 5)
-        assert {clock for clock, _ in here.changes(begun)} == {second} and second - first <= size.slot_clocks * size.slots + 99
+        assert {clock for clock, _ in here.changes(begun)} == {
+            second
+        } and second - first <= size.slot_clocks * size.slots + 99
         assert sum(here.changes(begun)[-1][1]) == size.pins
     dut.rst_i.value = 1
     await bench.clocks(dut, 2)
@@ -241,16 +268,23 @@ def test_pin_display(size):
 
 
 def test_refuses_what_cannot_be_shifted_in_time():
-    """1,000 pins in one chain at 8 MHz: 1,024 bits and pauses take 136 us, a pass and the rest 22 us; a slot of three
-    bits at 400 Hz has 156 us. Two chains halve the shift."""
+    """1,000 pins in one chain at 8 MHz: 1,024 bits and pauses take 144 us, a pass and the rest 22 us; a slot
+    of three bits at 400 Hz has 156 us. Two chains halve the shift."""
     wide = {"pins": 1000, "clk_khz": 48_000}
-    assert DisplaySize(**wide, amplitude_bits=2).lead == 1000 + 6528 + 48
+    assert DisplaySize(**wide, amplitude_bits=2).lead == 1000 + 6912 + 48
     for more in ({"amplitude_bits": 3}, {"amplitude_bits": 4, "chains": 2}):
         size = wide | more
         with pytest.raises(ValueError, match=rf"amplitude_bits = {more['amplitude_bits']}: a slot of"):
             DisplaySize(**size)
-        given = {"Pins": 1000, "ClkKhz": 48_000, "AmplitudeBits": more["amplitude_bits"], "Chains": more.get("chains", 1)}
-        assert f"AmplitudeBits = {more['amplitude_bits']} makes slots of" in bench.refuses("pin_display", given)
+        given = {
+            "Pins": 1000,
+            "ClkKhz": 48_000,
+            "AmplitudeBits": more["amplitude_bits"],
+            "Chains": more.get("chains", 1),
+        }
+        assert f"AmplitudeBits = {more['amplitude_bits']} makes slots of" in bench.refuses(
+            "pin_display", given
+        )
     assert DisplaySize(**wide, amplitude_bits=3, chains=2).half == 3
     for wrong in ({"pins": 1}, {"chains": 9}, {"amplitude_bits": 7}, {"ticks": 3999}, {"min_hz": 401}):
         with pytest.raises(ValueError, match=next(iter(wrong))):
@@ -276,7 +310,7 @@ def test_twin_against_the_lists(duty, watchdog):
     words = (settings.increment, 92, 60, 65535)
     steps = []
     for clock in range(350_000 if duty == 1500 else 0):
-        begins, _, slot = phase.clock(*words)
+        _, _, slot = phase.clock(*words)
         if slot is not None:
             steps.append((clock, slot))
     if steps:
@@ -285,7 +319,7 @@ def test_twin_against_the_lists(duty, watchdog):
         assert steps[:96] == [(p.start - size.lead + k, n) for p in found for n, k in enumerate(p.slots)]
         twin.reset()
     twin.on_again(1000)
-    eighth, frame, seen, before = 0, [0] * 6, Counter(), 0
+    seventh, frame, seen, before = 0, [0] * 6, Counter(), 0
     for n in range(9200):
         given = None
         if draw.random() < 0.01:
@@ -294,12 +328,12 @@ def test_twin_against_the_lists(duty, watchdog):
             frame = given = [255, *frame[1:]]
         wrap = twin.wrap
         period = twin.next(given)
-        now = wrap // 6250 // 5000  # eighths that ended before this clock
+        now = wrap // 6250 // 5715  # sevenths that ended before this clock
         length = (wrap + 1) // 6250 - (before + 1) // 6250 if n else 0
         burst = n == 0 or (n - 1) % 92 < 60
-        levels, kept_off = lists.period(frame, length, now > eighth, 14, 4, duty, watchdog, burst, n == 0)
+        levels, kept_off = lists.period(frame, length, now > seventh, 14, 4, duty, watchdog, burst, n == 0)
         assert (period.levels.tolist(), period.limited) == (levels, kept_off), n
-        eighth, before = now, wrap
+        seventh, before = now, wrap
         seen[bool(kept_off), any(levels)] += 1
     assert twin.wrap == 1000 + 1 - (-(9200 * WRAP) // settings.increment)
     assert len(seen) >= 3

@@ -1,6 +1,6 @@
-"""msn_pin_limits against the lists of tb/reference/pin_display.py: random frames, limits met exactly and missed by one,
-eighths that end in any clock, pauses, silent periods and bursts. At most `most` pins and no pin for more than its duty
-in any eight eighths, counted from what leaves."""
+"""msn_pin_limits against the lists of tb/reference/pin_display.py: random frames, limits met exactly and
+missed by one, sevenths that end in any clock, pauses, silent periods and bursts. At most `most` pins and no
+pin for more than its duty in any seven sevenths, counted from what leaves."""
 
 import random
 
@@ -12,7 +12,7 @@ from reference.pin_display import Limits
 
 SIZES = [{"Pins": 5, "AmplitudeBits": 2}, {"Pins": 35, "AmplitudeBits": 1}]
 REST = {"running_i": 0, "begin_i": 0, "off_i": 0, "silent_i": 0, "burst_i": 1, "length_i": 0, "turn_i": 0}
-REST |= {"cfg_top_i": 255, "cfg_most_i": 4095, "cfg_duty_i": 65535, "cfg_watchdog_i": 15, "frame_level_i": 0}
+REST |= {"cfg_top_i": 1, "cfg_most_i": 4095, "cfg_duty_i": 65535, "cfg_watchdog_i": 15, "frame_level_i": 0}
 
 
 class Driven:
@@ -45,8 +45,9 @@ class Driven:
 
     async def period(self, length, **pulses):
         self.levels, self.done = [], 0
+        self.dut.length_i.value = length
         await self.clock(begin_i=1, **pulses)
-        self.dut.length_i.value = length  # valid in the clock after the beginning
+        self.dut.length_i.value = 4000  # valid in the clock of the beginning
         await self.run()
         assert self.done == 1
         return self.levels
@@ -59,33 +60,36 @@ async def follows_the_lists(dut, duty, watchdog):
     pins, bits = dut.Pins.value.to_unsigned(), dut.AmplitudeBits.value.to_unsigned()
     await bench.start(dut, **REST | {"cfg_duty_i": duty, "cfg_watchdog_i": watchdog, "running_i": 1})
     drive, lists = Driven(dut), Limits(pins, bits)
-    top, most, waits, silent, kinds, before, base, spent = 255, 4095, 0, True, set(), [0] * pins, 9, []
+    highest = (1 << bits) - 1
+    dut.cfg_top_i.value = highest
+    top, most, waits, silent, kinds, before, base, spent = highest, 4095, 0, True, set(), [0] * pins, 9, []
     for n in range(180):
         if draw.random() < 0.3:
-            drive.frame = [draw.choice([0, 0, 1, 2, 3, 255]) for _ in range(pins)]
+            drive.frame = [min(draw.choice([0, 0, 1, 2, 3]), highest) for _ in range(pins)]
         if draw.random() < 0.1:
-            drive.frame = [255 * (draw.random() < 0.9)] * pins
+            drive.frame = [highest * (draw.random() < 0.9)] * pins
         if draw.random() < 0.1:
-            most, top = draw.choice([0, 1, 3, pins - 1, pins, 4095]), draw.choice([0, 1, 2, 200])
+            most, top = draw.choice([0, 1, 3, pins - 1, pins, 4095]), min(draw.choice([0, 1, 2, 3]), highest)
             dut.cfg_most_i.value, dut.cfg_top_i.value = most, top
         length, turns, burst = base + draw.randint(0, 1), draw.random() < 0.25, draw.random() < 0.8
         silent = silent or draw.random() < 0.1
         dut.silent_i.value, dut.burst_i.value = silent, burst
         got = await drive.period(length, turn_i=turns)  # in the clock of the beginning: for the next pass
-        expected, kept_off = lists.period(drive.frame, length, waits, top, most, duty, watchdog, burst, silent)
+        expected, kept_off = lists.period(
+            drive.frame, length, waits, top, most, duty, watchdog, burst, silent
+        )
         assert got == expected, n
         assert bench.read(dut.pins_o) == len(lists.on) <= most and bench.read(dut.limited_o) == kept_off
-        spent.append((lists.eighth, [length if level else 0 for level in before]))
+        spent.append((lists.seventh, [length if level else 0 for level in before]))
         base, before, waits = draw.choice([1, 2, 9, 20]) if silent else base, got, turns
         kinds.add((bool(kept_off), bool(lists.on)))
         silent = draw.random() < 0.05
-        if silent:  # a pause in the middle of a period, with eighths that end in it
-            dut.running_i.value = 0
+        if silent:  # a pause in the middle of a period, with sevenths that end in it
             await drive.clock(off_i=1)
-            dut.length_i.value = 1
+            dut.running_i.value, dut.length_i.value = 0, 1
             await drive.run()
             lists.off(1, waits)
-            spent.append((lists.eighth, [1 if level else 0 for level in before]))
+            spent.append((lists.seventh, [1 if level else 0 for level in before]))
             for _ in range(draw.choice([0, 1, 11])):
                 await drive.clock(turn_i=1)
                 await drive.run()
@@ -93,15 +97,15 @@ async def follows_the_lists(dut, duty, watchdog):
             assert bench.high(dut.idle_o) and bench.read(dut.pins_o) == 0
             waits, dut.running_i.value, before = 0, 1, [0] * pins
     assert (False, True) in kinds and ((True, True) in kinds or duty == 40)
-    for pin in range(pins):  # a period's ticks are charged as it ends, as if it all lay in that eighth
-        for last in range(lists.eighth):
-            assert sum(row[pin] for eighth, row in spent if last - 8 <= eighth <= last) <= duty
+    for pin in range(pins):  # a period's ticks are charged as it ends, as if it all lay in that seventh
+        for last in range(lists.seventh):
+            assert sum(row[pin] for seventh, row in spent if last - 7 <= seventh <= last) <= duty
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def meets_the_duty_exactly(dut):
-    """Periods of 9 ticks are charged 10; the next one needs room for 11: at a duty of 51 the fifth is driven, at 50
-    not. The pin is on again after eight eighths more."""
+    """Periods of 9 ticks are charged 10; the next one needs room for 11: at a duty of 51 the fifth is driven,
+    at 50 not. The pin is on again after eight sevenths more."""
     pins = dut.Pins.value.to_unsigned()
     for duty, periods in ((50, 4), (51, 5)):
         await (bench.start(dut, **REST | {"running_i": 1}) if duty == 50 else bench.reset(dut))
@@ -109,14 +113,14 @@ async def meets_the_duty_exactly(dut):
         drive.frame = [1] * pins
         got = [(await drive.period(9))[0] for _ in range(periods + 3)]
         assert got == [1] * periods + [0] * 3
-        for eighth in range(9):
+        for seventh in range(8):
             await drive.clock(turn_i=1)
-            assert (await drive.period(9))[0] == (eighth == 8), eighth
+            assert (await drive.period(9))[0] == (seventh == 7), seventh
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def switches_off_a_pin_that_stays_on(dut):
-    """With a watchdog of 2 at the third eighth that ends; a frame without it sets it free."""
+    """With a watchdog of 2 at the third seventh that ends; a frame without it sets it free."""
     await bench.start(dut, **REST | {"running_i": 1, "cfg_watchdog_i": 2})
     drive, pins = Driven(dut), dut.Pins.value.to_unsigned()
     drive.frame = [1] + [0] * (pins - 1)

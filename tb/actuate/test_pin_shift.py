@@ -1,6 +1,6 @@
-"""msn_pin_shift with models of the drivers at its pins, which refuse what their sheet forbids: each slot's outputs by
-the page's words, latched Lead clocks after the slot begins and at no other time; chains, sizes that fill no driver;
-off_i blanks in the next clock; a restart after any of its clocks."""
+"""msn_pin_shift with models of the drivers at its pins, which refuse what their sheet forbids: each slot's
+outputs by the page's words, latched Lead clocks after the slot begins and at no other time; chains, sizes
+that fill no driver; off_i blanks in the next clock; a restart after any of its clocks."""
 
 import random
 
@@ -10,7 +10,15 @@ import pytest
 import bench
 from parts.hv507 import Hv507
 
-REST = {"in_valid_i": 0, "in_level_i": 0, "in_last_i": 0, "running_i": 0, "off_i": 0, "begin_i": 0, "step_i": 0}
+REST = {
+    "in_valid_i": 0,
+    "in_level_i": 0,
+    "in_last_i": 0,
+    "running_i": 0,
+    "off_i": 0,
+    "begin_i": 0,
+    "step_i": 0,
+}
 REST |= {"slot_i": 0, "busy_i": 0}
 SIZES = [  # the last at the full clock of the drivers, in true time
     {"Pins": 7, "AmplitudeBits": 1, "ClkKhz": 10_000, "SclkKhz": 5_000},
@@ -25,14 +33,18 @@ def sizes(dut):
     each = -(-pins // chains)
     bits = -(-each // 64) * 64
     half = -(-read("ClkKhz") // (2 * read("SclkKhz")))
-    return pins, chains, each, bits, pins + bits // 16 * 17 * 2 * half + 48
+    return pins, chains, each, bits, pins + bits // 8 * 9 * 2 * half + 48
 
 
 def parts(dut, report=None):
     _, chains, _, bits, _ = sizes(dut)
     lines = (dut.hv_clk_o, dut.hv_le_o, dut.hv_bl_o, dut.hv_pol_o)
     true = dut.ClkKhz.value.to_unsigned() == 100_000  # the bench's clock is 10 ns
-    report = report if true else lambda violation: None if str(violation)[:2] == "t_" else Hv507.fail(None, violation)
+    report = (
+        report
+        if true
+        else lambda violation: None if str(violation)[:2] == "t_" else Hv507.fail(None, violation)
+    )
     return [Hv507(dut.hv_data_o, *lines, bits // 64, lane, report=report) for lane in range(chains)]
 
 

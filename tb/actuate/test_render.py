@@ -1,6 +1,6 @@
-"""msn_render against its model, and both against areas in fractions and cues written out: images larger and smaller than
-the grid, of one row, all zero and full scale; a damaged image; images faster than it; every octant; a marker at each
-corner. Its clocks by count."""
+"""msn_render against its model, and both against areas in fractions and cues written out: images larger and
+smaller than the grid, of one row, all zero and full scale; a damaged image; images faster than it; every
+octant; a marker at each corner. Its clocks by count."""
 
 import random
 
@@ -81,7 +81,9 @@ def by_the_page(image, shape, grid, bits, settings, cop):
     levels = np.zeros(grid, dtype=int)
     if shape is not None:
         means = averages(image.tolist(), *grid)
-        levels = np.array([[level_of(m, settings.floor, settings.step, highest) for m in row] for row in means])
+        levels = np.array(
+            [[level_of(m, settings.floor, settings.step, highest) for m in row] for row in means]
+        )
     if settings.marker and cop is not None:
         right, down = (16384 + cop[0]) / 32768, (16384 - cop[1]) / 32768
         levels[min(int(down * grid[0]), grid[0] - 1), min(int(right * grid[1]), grid[1] - 1)] = highest
@@ -90,8 +92,10 @@ def by_the_page(image, shape, grid, bits, settings, cop):
 
 def images(draw, shape):
     kind = draw.randrange(5)
-    cells = [draw.choice([(0, 0), (65535, 65535), (0, 65535), (900, 1100), (1000, 1000)][kind : kind + 1])
-             for _ in range(shape[0] * shape[1])]
+    cells = [
+        draw.choice([(0, 0), (65535, 65535), (0, 65535), (900, 1100), (1000, 1000)][kind : kind + 1])
+        for _ in range(shape[0] * shape[1])
+    ]
     return np.reshape([draw.randint(*ends) for ends in cells], shape)
 
 

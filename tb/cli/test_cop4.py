@@ -39,7 +39,9 @@ def codes(tmp_path):
 def test_process_cop4(tmp_path, codes, engine, name):
     done = meissner(*cop4(name, "--engine", engine), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("6 samples, 4 with a load; faults: 1 saturated, 1 open, 1 out of balance; ")
+    assert done.stdout.splitlines()[1].startswith(
+        "6 samples, 4 with a load; faults: 1 saturated, 1 open, 1 out of balance; "
+    )
     assert f"on engine {engine}" in done.stdout
     result = np.load(tmp_path / "out.npz")
     expected = engines.process_cop4(codes, cop4_file.load(tmp_path / "c.toml"), engine)
@@ -58,7 +60,9 @@ def test_process_cop4_counts_each_kind_of_fault(tmp_path, codes):
     faulty[1:3, [0, 2]] -= 60_000
     np.save(tmp_path / "in.npy", faulty)
     done = meissner(*cop4(), cwd=tmp_path)
-    assert done.stdout.startswith("4 samples, 0 with a load; faults: 0 saturated, 1 open, 3 out of balance; ")
+    assert done.stdout.splitlines()[1].startswith(
+        "4 samples, 0 with a load; faults: 0 saturated, 1 open, 3 out of balance; "
+    )
 
 
 # Keys with bad values; in brackets the word that the sentence must hold, if it is not the key.

@@ -46,7 +46,7 @@ def results(folder):
 @pytest.mark.parametrize(
     "scene, engine, most",
     [
-        (few("slip_materials", 2), "fixed", 3),
+        (few("slip_materials", 2), "fixed", 2),
         (with_runs(scenes.load("shear_speed"), 1), "float", 2),
         (few("cop_slip", 2), "rtl", 2),
         (short_hold(), "fixed", 2),  # three tasks

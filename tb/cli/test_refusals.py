@@ -39,7 +39,7 @@ nowhere: calibrate nowhere.npz; fit-rubber nowhere.csv; cop cube.npy --calibrati
 nowhere: replay nowhere.mcap; log sim: --out nowhere/a.npz; replay good.npz --out nowhere/o.npz
 nowhere: cop4 in.npy --config nothing-nowhere; live sim: --config nowhere; choose array --out /nowhere/x.toml
 text.npy: slip text.npy
-in.txt: slip in.txt; budget --cop4 --out in.txt
+in.pdf: slip in.pdf; budget --cop4 --out in.pdf
 archive.npy: slip archive.npy
 broken.npy: slip broken.npy
 empty.csv: slip empty.csv
@@ -191,7 +191,7 @@ def inputs(tmp_path_factory):
     for name, text in {
         "text.npy": "not an array",
         "text.npz": "not an archive",
-        "in.txt": "1\n",
+        "in.pdf": "1\n",
         "words.csv": "a,b\n",
         "empty.csv": "# nothing\n",
         "five.csv": "1,2,3,4,5\n" * 2,

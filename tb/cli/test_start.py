@@ -42,9 +42,9 @@ def commands(at, path=()):
 EVERY = list(commands(parser()))
 
 
-@pytest.mark.parametrize("command", [("log",), ("replay",)])
+@pytest.mark.parametrize("command", [("log",), ("replay",), ("threshold",)])
 def test_the_example_of_a_commands_help_is_a_whole_command(command):
-    """Both need --out, so the first line that a user copies has it."""
+    """All need --out, so the first line that a user copies has it."""
     done = subprocess.run(
         [sys.executable, "-m", "meissner.cli", *command, "--help"],
         capture_output=True,
@@ -100,8 +100,10 @@ ALONE = {  # exit code and words of each command
     "process cop no.npy --out out.npz": (2, FILE),
     "process cop4 no.npy --config cop4 --out out.npz": (2, FILE),
     "process rope no.npy --forest no.json --out out.npz": (2, FILE),
+    "process forest no.npy --forest no.json --out out.npz": (2, FILE),
     "calibrate no.npz --out out.npz": (2, FILE),
     "fit-rubber no.csv": (2, FILE),
+    "threshold no.csv": (2, FILE),
     "export-forest no.skops --out F.json": (2, FILE),
     "forest-budget no.json": (2, FILE),
     "train-rope --trees 0 --out F.json": (2, "trees = 0"),

@@ -25,12 +25,16 @@ from cocotbext.axi import (
 )
 
 import bench
+from core import pins
+from forest.trees import forest
 from meissner.builds.toolchain import ROOT
+from meissner.forest import words
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh
 from meissner.twins import core
 from meissner.twins.cop.cop_slip import CopSlipRegisters
+from meissner.twins.forest.classify import Classify
 from meissner.twins.frontend.health import Limits
 from meissner.twins.link import packet as p
 from meissner.twins.link.cobs import encode
@@ -271,10 +275,11 @@ async def says_what_it_is_and_refuses_what_it_has_not(dut):
     features = (await axi.read(0x008))[0]
     array, cop4 = number(dut, "Array"), number(dut, "Cop4")
     bits = (0, number(dut, "Slip"), 0, number(dut, "Health"), number(dut, "Tare"), array, array, cop4)
-    bits += (number(dut, "CopSlip"), 1, number(dut, "Grip"), number(dut, "ShearSpeed"))
+    bits += (number(dut, "CopSlip"), 1, number(dut, "Grip"), number(dut, "ShearSpeed"), number(dut, "Forest"))
+    bits += (number(dut, "Display"),)
     assert features == sum(bit << place for place, bit in enumerate(bits))
     for place, address in enumerate(
-        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00, 0xB00)
+        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00, 0xB00, 0xC00, 0xD00)
     ):
         resp = (await axi.read(address))[1]
         assert resp == (AxiResp.OKAY if bits[place] else AxiResp.SLVERR), hex(address)
@@ -439,6 +444,62 @@ async def an_image_is_of_one_frame(dut):
     assert len(got) == len(due)
 
 
+@bench.applies(lambda dut: number(dut, "Forest"))
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_forest_decides_and_the_hand_closes(dut):
+    """Loaded over the registers: from frames to forces, differences, classes, packets with their frames'
+    times, and to the reflex, which closes by a step for each decision for class 1."""
+    axi = await begin(dut)
+    twin, size = array_twin(dut)
+    samples = pressing(np.random.default_rng(bench.SEED), 40, size)
+    forces = core.of_array(twin, samples).images
+    classify, draw, slips = (
+        Classify(9, slip=0b10, grip=True, **FOREST, engines=2),
+        random.Random(bench.SEED),
+        0,
+    )
+    while not 4 < slips < 34:  # a forest that this press tells apart
+        loads = words.loads(forest(draw, 18, 3, 8, leaves=9, span=300, depth=3), 2)
+        classify.reset()
+        for row in loads:
+            classify.load(*row)
+        classify.swap()
+        decisions = classify.next(forces.T)
+        slips = sum(of.slips for _, of in decisions)
+    for kind, engine, address, data in loads:
+        label, place = (address >> 16, address & 0xFFFF) if kind == words.VOTE else (0, address)
+        registers = {0xC10: kind | engine << 8 | label << 16, 0xC14: place, 0xC18: data >> 32, 0xC1C: data}
+        for at, value in registers.items():
+            assert await axi.write(at, value) == AxiResp.OKAY
+    assert await axi.read(0xC2C) == (len(loads), AxiResp.OKAY)
+    settings = {
+        0xC38: 0b10,
+        0xC3C: 1,
+        0xA04: 300,
+        0xA08: 50,
+        0xA10: 1000,
+        0xA18: 65535,
+        0xA1C: 65535,
+        0xA00: 1,
+    }
+    for at, value in (settings | {0xC24: 1}).items():
+        assert await axi.write(at, value) == AxiResp.OKAY
+    await bench.clocks(dut, 700)
+    for frame in samples:
+        await axi.send(size.beats_of(frame))
+        await bench.clocks(dut, 2200)
+    packets = await axi.packets()
+    expected = [(frame, p.class_change(*of.change)) for frame, of in decisions if of.change]
+    starts = [q.time for q in packets if q.kind == p.COP]
+    assert [(starts.index(q.time), q.payload) for q in packets if q.kind == p.CLASS] == expected
+    assert len(expected) > 4 and len(decisions) == 38
+    names = ("label", "best", "decisions", "changes", "missed", "absent", "late", "broken")
+    told = [(await axi.read(pins.ADDRESS[f"forest.{name}"]))[0] for name in names]
+    assert told == [classify.label, classify.best, 38, classify.changes, 0, 0, 0, 0]
+    assert (await axi.read(0xA44))[0] == 1000 + 50 * slips and (await axi.read(0xA58))[0] == slips
+
+
+FOREST = {"features": 18, "bits": 12, "classes": 3, "trees": 5, "nodes": 64, "leaves": 9}
 SETTINGS = {
     "calibrate.preset": GAIN,
     "cop.min_load": 1,
@@ -462,7 +523,9 @@ PATH = {"Level": SLIP.level, "Window": SLIP.window, "Hop": SLIP.hop}
 BUILDS = {
     "array": {"Rows": 4, "Columns": 6, "Lanes": 2, "Health": 1, "Tare": 1, "Chunk": 16} | PATH,
     "array-3": {"Rows": 3, "Columns": 7, "Lanes": 3, "Health": 1, "Tare": 1, "Chunk": 16} | PATH,
-    "array-lane": {"Rows": 3, "Columns": 3, "Lanes": 1, "Tare": 1} | PATH,
+    "array-lane": {"Rows": 3, "Columns": 3, "Lanes": 1, "Tare": 1, "Forest": 1, "ForestEngines": 2, "Grip": 1}
+    | {f"Forest{name.capitalize()}": value for name, value in FOREST.items()}
+    | PATH,
     "array-plain": {"Rows": 3, "Columns": 8, "Lanes": 8, "RowColumn": 1, "GainShift": 24} | PATH,
     "channels": {"Array": 0, "Image": 0, "Channels": 3, "Grip": 1, "ShearSpeed": 1} | PATH,
     "electrodes": {"Array": 0, "Image": 0, "Slip": 0, "Channels": 4, "Cop4": 1, "CopSlip": 1, "Lag": LAG},
@@ -500,6 +563,7 @@ def test_it_has_every_feature_of_the_core():
         "Uart",
         "SlipOnly",
         "ReadDuring",
+        "ForestSdram",
     }
     assert own == set(declared.findall(axis_text)) and len(own) >= 12
     for name in own:

@@ -191,6 +191,8 @@ INSTANCES = {
     "cop_slip": "u_cop_slip",
     "grip": "u_actuate u_grip u_finger_health u_pwm",
     "shear_speed": "u_shear_speeds u_shear_speed",
+    "forest": "u_classify",
+    "display": "u_display u_render u_pins u_phase u_limits",
     "link": "u_link",
 }
 GROUP_OF = {instance: group for group, instances in INSTANCES.items() for instance in instances.split()}
@@ -201,7 +203,7 @@ NAMED["u_changes.cfg_events_i"] = [
 ]
 NAMED["u_cop4.cfg_p_i"] = [f"cop4.p{n}.value" for n in range(6)]  # p0 lowest
 # Blocks that use the struct's members themselves, and settings that glue uses: other tests show their effect.
-READERS = ("u_health", "u_tare", "u_calibrate")
+READERS = ("u_health", "u_tare", "u_calibrate", "u_classify")
 OF_GLUE = ["core.scratch.value", "core.hold.value", "link.images.value", "grip.enable.value"]
 OF_GLUE += [f"shear_speed.{name}.value" for name in ("enable", "hold", "hold_cycles", "select")]
 

@@ -9,7 +9,7 @@ import pytest
 
 from meissner import run
 from meissner.scenes import results as writing
-from meissner.scenes.results import Picture, Result
+from meissner.scenes.results import Picture, Result, table
 
 PIXEL = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c489"
@@ -69,3 +69,8 @@ def test_a_summary_of_others_removes_nothing(results, summary):
     (results.folder.parent / "own").touch()
     results("second")
     assert (results.folder.parent / "own").exists()
+
+
+def test_nothing_to_count_is_a_dash_in_a_table():
+    rows = [{"a": None, "longer": 1.5}, {"a": "some", "longer": None}]
+    assert table(rows) == ["a     longer", "–     1.5", "some  –"]

@@ -13,7 +13,7 @@ from forest import recorded
 from forest.test_words import model
 from meissner.budget import forest as budget
 from meissner.cli import main
-from meissner.forest import file
+from meissner.forest import cost, file, rows
 from meissner.forest.reduce import Reducer
 
 LEAVES = [[0, 65535], [21554, 43981], [65277, 258]]
@@ -37,28 +37,26 @@ LEAVES = [[0, 65535], [21554, 43981], [65277, 258]]
     ],
 )
 def test_block_rams_by_hand(count, bits, cells, expected):
-    assert budget.rams(count, bits, cells) == expected
+    assert cost.rams(count, bits, cells) == expected
 
 
 def test_needs_by_hand():
     """Three trees of 4, 2 and 1 words: an engine has 7 words and three roots, two engines have 4 and 1 tree,
     3 and 2 trees. Three classes: a table of leaves for each class."""
     two = model(LEAVES, [0, 1])
-    assert budget.sizes(two, 1) == [(7, 3)] and sorted(budget.sizes(two, 2)) == [(3, 2), (4, 1)]
-    assert budget.word_bits(two) == 2 + 1 + 22 + 32
-    assert budget.needs(two, "ice40", 1, 1) == 4 + 1
-    assert budget.needs(two, "ecp5", 2, 2) == 2 * (2 + 1)
+    assert cost.sizes(two, 1) == [(7, 3)] and sorted(cost.sizes(two, 2)) == [(3, 2), (4, 1)]
+    assert cost.word_bits(two) == 2 + 1 + 22 + 32
+    assert cost.needs(two, "ice40", 1, 1) == 4 + 1
+    assert cost.needs(two, "ecp5", 2, 2) == 2 * (2 + 1)
     three = model([[1, 2, 65532]] * 3, [0, 1, 2])
-    assert budget.needs(three, "ice40", 1, 2) == 4 + 1 + 3
+    assert cost.needs(three, "ice40", 1, 2) == 4 + 1 + 3
     six = model([[1, 2, 65532, 0, 0, 0]] * 100, [*range(6)])
-    assert budget.needs(six, "ice40", 1, 2) == 4 + 1 + 4 * 2  # 2 * 2 * 100 words of 16 in each of four lanes
+    assert cost.needs(six, "ice40", 1, 2) == 4 + 1 + 4 * 2  # 2 * 2 * 100 words of 16 in each of four lanes
     ranked = file.document(two) | {"features": [{"name": "a", "kind": "float", "thresholds": [0.5, 1.5]}] * 3}
     ranked["trees"] = [{"feature": [2], "threshold": [2], "left": [-1], "right": [-2]}] * 300
     ranked = file.check(ranked)
-    assert budget.word_bits(ranked) == 2 + 2 + 3 + 32  # 2 and the greatest rank, 3, with a sign
-    assert (
-        budget.needs(ranked, "ice40", 1, 1) == 5 + 2
-    )  # 512 words of 8 bits, five times; 300 roots of 9 bits
+    assert cost.word_bits(ranked) == 2 + 2 + 3 + 32  # 2 and the greatest rank, 3, with a sign
+    assert cost.needs(ranked, "ice40", 1, 1) == 5 + 2  # 512 words of 8 bits, five times; 300 roots of 9 bits
 
 
 def test_clocks_by_hand():
@@ -67,15 +65,15 @@ def test_clocks_by_hand():
     node."""
     small = model(LEAVES, [0, 1])
     steps = np.array([[3, 2, 1], [2, 1, 1]])
-    assert budget.clocks(small, (steps, steps), 1) == {
+    assert cost.clocks(small, (steps, steps), 1) == {
         "block RAM": (round(5 / 0.95 + 12), round(6 / 0.95 + 12)),
         "SDRAM": ((56 + 84) // 2 + 12, 84 + 12),
     }
-    assert budget.clocks(small, (steps, steps), 2)["block RAM"][1] == round(3 / 0.95 + 2 + 2 * 6)
+    assert cost.clocks(small, (steps, steps), 2)["block RAM"][1] == round(3 / 0.95 + 2 + 2 * 6)
     wide = np.full((1, 3), 10)
     wide[0, 0] = 1
-    assert budget.clocks(small, (wide[:, [0] * 9], wide), 1)["SDRAM"] == (round(4.2 * 9) + 12, 280 + 12)
-    assert [budget.depths(tree) for tree in small.trees] == [3, 2, 0]
+    assert cost.clocks(small, (wide[:, [0] * 9], wide), 1)["SDRAM"] == (round(4.2 * 9) + 12, 280 + 12)
+    assert [cost.depths(tree) for tree in small.trees] == [3, 2, 0]
     mean, worst = budget.walks(meissner.Forest(small))
     assert mean.tolist() == [[2.25, 1.5, 1.0]] and worst.tolist() == [[3, 2, 1]]
 
@@ -118,7 +116,7 @@ def test_what_it_prints(wine, capsys):
     steps = forest.steps(x)
     assert found["nodes_a_decision"] == [pytest.approx(steps.sum(1).mean()), steps.sum(1).max()]
     rows = {each["memory"]: each for each in found["memories"]}
-    assert rows["ulx3s 85F"]["block_rams"] == budget.needs(forest.model, "ecp5", 1, 1)
+    assert rows["ulx3s 85F"]["block_rams"] == cost.needs(forest.model, "ecp5", 1, 1)
     assert rows["ulx3s 85F"]["us"][1] == rows["ulx3s 85F"]["clocks"][1] / 100
     assert rows["icebreaker"]["mhz"] == 24 and rows["icebreaker"]["room"] == 26
     small = {each["forest"]: each for each in found["smaller"]}
@@ -135,13 +133,13 @@ def test_what_it_prints(wine, capsys):
 
 def test_the_best_that_fits_is_written(wine, capsys, tmp_path):
     folder, forest, x, y = wine
-    assert budget.needs(forest.model, "ice40", 1, 1) > 26
+    assert cost.needs(forest.model, "ice40", 1, 1) > 26
     given = (folder / "F.json", "--data", folder / "rows.npz", "--training", folder / "training.npz")
     found = json.loads(
         run(capsys, *given, "--fit", "icebreaker", "--out", tmp_path / "small.json", "--json")
     )["fit"]
     small = meissner.Forest.from_file(tmp_path / "small.json")
-    assert budget.needs(small.model, "ice40", 1, 1) <= 26 and small.model.nodes == found["nodes"]
+    assert cost.needs(small.model, "ice40", 1, 1) <= 26 and small.model.nodes == found["nodes"]
     assert found["same_class"] == np.mean(small.predict(x) == forest.predict(x)) > 0.95
     assert found["accuracy"] == np.mean(small.predict(x) == y)
     assert found["whole_accuracy"] == np.mean(forest.predict(x) == y)
@@ -177,10 +175,11 @@ def test_refused(wine, capsys, name, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     "text, says",
     [
-        ("a,label\n1,2\n", "header must be"),
+        ("a,label\n1,2\n", "need 13 columns, not 1"),
+        ("x0,label\n1,2\n", "the feature x1 is missing"),
         ("{head}\n1,2\n", "line 2: 2 values are not 14"),
-        ("{head}\n" + "x," * 13 + "red\n", "could not convert"),
-        ("{head}\n", "do not fit"),
+        ("{head}\n" + "x," * 13 + "red\n", "row 0: x0 = 'x' is not a number"),
+        ("{head}\n", "must have the shape"),
         ("{head}\n" + "1," * 13 + "green\n", "no label of the data"),
     ],
 )
@@ -188,13 +187,22 @@ def test_labelled_rows_that_do_not_fit(wine, tmp_path, text, says):
     names = [each.name for each in wine[1].model.features]
     (tmp_path / "rows.csv").write_text(text.replace("{head}", ",".join([*names, "label"])))
     with pytest.raises(ValueError, match=says):
-        budget.Compared(wine[1], *budget.read_rows(tmp_path / "rows.csv", names))
+        budget.Compared(wine[1], *rows.read(tmp_path / "rows.csv", names, labelled=True)[:2])
+
+
+def test_labels_without_a_header(tmp_path):
+    (tmp_path / "rows.csv").write_text("1,2,red\n3,,blue\n")
+    found = rows.read(tmp_path / "rows.csv", ["a", "b"], labelled=True)
+    assert np.array_equal(found.x, [[1, 2], [3, np.nan]], equal_nan=True) and found.y.tolist() == [
+        "red",
+        "blue",
+    ]
 
 
 def test_two_arrays_are_needed(wine, tmp_path):
     np.savez(tmp_path / "rows.npz", x=np.zeros((2, 13)))
     with pytest.raises(ValueError, match="no array y"):
-        budget.read_rows(tmp_path / "rows.npz", [])
+        rows.read(tmp_path / "rows.npz", [], labelled=True)
 
 
 def best(source, label, board):

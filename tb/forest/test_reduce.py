@@ -70,8 +70,8 @@ def test_the_nodes_kept_are_the_best_of_that_number():
         for row, votes in zip(q, leaves):
             node = 0
             while node >= 0 and node in kept:
-                left = row[forest._feature[node]] <= forest._threshold[node]
-                node = forest._children[node, int(left)]
+                left = row[forest.joined.feature[node]] <= forest.joined.threshold[node]
+                node = forest.joined.children[node, int(left)]
             groups.setdefault(node if node >= 0 else (node, *votes), []).append(votes)
         return sum(((np.array(group) - np.mean(group, 0)) ** 2).sum() for group in groups.values())
 
@@ -106,14 +106,14 @@ def test_what_is_built_decides_as_a_walk_that_stops(classes, holes):
         q, missing = forest.quantise(x)
         votes = np.zeros((len(x), classes))
         for index, row in enumerate(q):
-            for root in forest._roots[:trees]:
+            for root in forest.joined.roots[:trees]:
                 node = root
                 while node >= 0 and kept[node]:
-                    feature = forest._feature[node]
-                    left = row[feature] <= forest._threshold[node]
+                    feature = forest.joined.feature[node]
+                    left = row[feature] <= forest.joined.threshold[node]
                     if missing is not None and missing[index, feature]:
-                        left = forest._missing_left[node]
-                    node = forest._children[node, int(left)]
+                        left = forest.joined.missing_left[node]
+                    node = forest.joined.children[node, int(left)]
                 votes[index] += forest.model.leaves[-1 - node] if node < 0 else found.mean[node]
         got = meissner.Forest(small).process(x).votes
         assert np.abs(got - votes).max() <= trees * (1.0 if classes > 2 else 0.5) + 1e-6

@@ -10,6 +10,7 @@ module formal_packet #(
   parameter  int unsigned States        = 0,
   parameter  int unsigned FirstState    = 0,
   parameter  bit          Cop           = 1'b1,
+  parameter  bit          Classes       = 1'b0,
   parameter  bit          Health        = 1'b1,
   parameter  bit          Answers       = 1'b1,
   parameter  int unsigned Statistics    = 4,
@@ -30,6 +31,11 @@ module formal_packet #(
   input logic                   slip_late_i,
   input logic [23:0]            slip_p2p_i,
   input logic [47:0]            slip_time_i,
+  input logic                   class_valid_i,
+  input logic [15:0]            class_label_i,
+  input logic [15:0]            class_told_i,
+  input logic [31:0]            class_votes_i,
+  input logic [47:0]            class_stamp_i,
   input logic                   cop_valid_i,
   input logic [23:0]            cop_x_i,
   input logic [23:0]            cop_y_i,
@@ -54,33 +60,37 @@ module formal_packet #(
   msn_pkg::change_t   slip_i;
   msn_pkg::cop_t      cop_i;
   msn_pkg::health_t   health_i;
+  msn_pkg::class_t    class_i;
+  assign class_i  = {class_stamp_i, class_votes_i, class_told_i, class_label_i};
   assign slip_i   = {slip_start_i, slip_late_i, slip_told_i, slip_state_i, slip_p2p_i, slip_id_i};
   assign cop_i    = {cop_x_i, cop_y_i, cop_load_i, cop_pressed_i};
   assign health_i = {health_id_i, health_faults_i};
 
   logic        slip_ready_o, slip_room_o;
   logic [StateBits-1:0] states_id_o;
-  logic        health_ready_o, answer_ready_o, out_begin_o, out_valid_o, out_last_o;
+  logic        health_ready_o, class_ready_o, answer_ready_o, out_begin_o, out_valid_o, out_last_o;
   logic [7:0]  out_data_o;
   logic [31:0] packets_o, cop_dropped_o, image_dropped_o;
   msn_packet #(
-    .SlipDepth(SlipDepth), .States(States), .FirstState(FirstState), .Cop(Cop), .Health(Health), .Answers(Answers), .Statistics(Statistics),
+    .SlipDepth(SlipDepth), .States(States), .FirstState(FirstState), .Cop(Cop), .Classes(Classes), .Health(Health), .Answers(Answers), .Statistics(Statistics),
     .StatisticBits(StatisticBits), .Taxels(Taxels), .Chunk(Chunk)
   ) dut (.*);
 
   typedef enum logic [2:0] {
-    Slip, Answer, StateReport, CopResult, HealthReport, Statistic, Image
+    Slip, Answer, StateReport, ClassChange, CopResult, HealthReport, Statistic, Image
   } source_e;
-  localparam logic [6:0] First = 7'd1;
+  localparam logic [7:0] First = 8'd1;
 
   // The waiting sources, each with its payload, its length and its time.
   logic         started = 1'b0;
   logic         run;       // a packet has been chosen, and not all its bytes have left
-  logic [6:0]   waits, turn;
+  logic [7:0]   waits, turn;
   logic         yields;    // the last packet was a change, so the others go first once
-  logic [4:0]   others;
+  logic [5:0]   others;
   logic [2:0]   changes;   // since an image's packet, at most 7
-  logic         cop_waits, health_waits, statistic_waits, idle;
+  logic         class_waits, cop_waits, health_waits, statistic_waits, idle;
+  logic [63:0]  classified;
+  logic [47:0]  class_time;
   logic [88:0]  cop;
   logic [47:0]  cop_time, health_time;
   logic [31:0]  health, counter, cop_dropped, packets;
@@ -101,12 +111,14 @@ module formal_packet #(
   end
   assign idle  = !run && !out_valid_o;
   assign waits = {Taxels > 0 && dut.image_valid, Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
-                  States > 0 && dut.states_valid, Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid && (slip_start || !((yields && others != '0) || (changes == 3'd7 && Taxels > 0 && dut.image_valid)))};
+                  Classes && class_waits, States > 0 && dut.states_valid, Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid && (slip_start || !((yields && others != '0) || (changes == 3'd7 && Taxels > 0 && dut.image_valid)))};
   assign others = {Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
-                   States > 0 && dut.states_valid, Answers && answer_valid_i};
+                   Classes && class_waits, States > 0 && dut.states_valid, Answers && answer_valid_i};
   always_ff @(posedge clk_i) begin
     cop_waits       <= cop_valid_i || (cop_waits && !turn[CopResult]);
     cop_dropped     <= cop_dropped + 32'(Cop && cop_valid_i && cop_waits && !turn[CopResult]);
+    class_waits     <= class_waits ? !turn[ClassChange] : class_valid_i;
+    if (!class_waits) {classified, class_time} <= {class_votes_i, class_told_i, class_label_i, class_stamp_i};
     health_waits    <= health_waits ? !turn[HealthReport] : health_valid_i;
     statistic_waits <= pause == '1 || (statistic_waits && !turn[Statistic]);
     pause           <= pause + 1'b1;
@@ -121,6 +133,7 @@ module formal_packet #(
       cop_waits       <= 1'b0;
       cop_dropped     <= '0;
       health_waits    <= 1'b0;
+      class_waits     <= 1'b0;
       statistic_waits <= 1'b0;
       pause           <= '0;
       yields          <= 1'b0;
@@ -142,18 +155,19 @@ module formal_packet #(
   logic [159:0] rest;
   always_comb begin
     record = '0;
-    for (int unsigned s = 0; s < 7; s++) if (turn[s]) begin
+    for (int unsigned s = 0; s < 8; s++) if (turn[s]) begin
       case (source_e'(s))
         Slip:         record = 160'({slip_event, slip_time, packets[7:0], slip_start ? 8'd1 : 8'd6});
         Answer:       record = 160'({answer_data_i, now_i, packets[7:0], 8'd16});
         StateReport:  record = 160'({dut.states[91:60], now_i, packets[7:0], 8'd7});
+        ClassChange:  record = 160'({classified, class_time, packets[7:0], 8'd8});
         CopResult:    record = 160'({cop, cop_time, packets[7:0], 8'd2});
         HealthReport: record = 160'({health, health_time, packets[7:0], 8'd4});
         Statistic:    record = 160'({counter, which, now_i, packets[7:0], 8'd5});
         default:      record = 160'({24'(place), 7'd0, 32'(place_end) == Taxels, image_number, image_time, packets[7:0], 8'd3});
       endcase
     end
-    record_bytes = 9'd8 + (turn[Slip] ? 9'd6 : turn[Answer] ? 9'd8 : turn[CopResult] ? 9'd12 : (turn[HealthReport] || turn[StateReport]) ? 9'd4 : 9'd5);
+    record_bytes = 9'd8 + (turn[Slip] ? 9'd6 : (turn[Answer] || turn[ClassChange]) ? 9'd8 : turn[CopResult] ? 9'd12 : (turn[HealthReport] || turn[StateReport]) ? 9'd4 : 9'd5);
     taxel_bytes  = turn[Image] ? 9'({place_end - place, 1'b0}) : '0;
     byte_out     = (sent < first) ? rest[7:0] : (sent >= second) ? ~crc[7:0] : odd ? dut.taxel[15:8] : dut.taxel[7:0];
     crc_next     = crc;
@@ -204,6 +218,7 @@ module formal_packet #(
       assert (out_valid_o == valid && (!valid || (out_data_o == data && out_last_o == last)));
       assert (out_begin_o == (run || (SlipDepth > 0 && dut.slip_valid)) && dut.yields == yields && dut.changes == changes);
       assert (packets_o == packets && (!Cop || cop_dropped_o == cop_dropped));
+      assert (class_ready_o == (Classes && !class_waits));
       assert (answer_ready_o == turn[Answer] && health_ready_o == (Health && !health_waits));
       assert (dut.slip_take == turn[Slip] && States == 0);  // the report: tests
     end
@@ -214,6 +229,9 @@ module formal_packet #(
   always_comb begin
     if (started) begin
       assert (dut.turn == turn && dut.idle == idle && (turn & (turn - First)) == '0);
+      if (Classes) assert (dut.class_valid == class_waits);
+      if (Classes && class_waits) assert (dut.classes == 156'({classified, class_time, 4'd8, 8'd8}));
+      if (turn[ClassChange]) assert (Classes && class_waits);
       if (Cop) assert (dut.cop_valid == cop_waits);
       if (Cop && cop_waits) assert (dut.cop == 156'({cop, cop_time, 4'd12, 8'd2}));
       if (Health) assert (dut.health_valid == health_waits);

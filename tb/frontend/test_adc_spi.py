@@ -480,7 +480,7 @@ async def goes_on_after_an_upset(dut):
     if hasattr(dut, "u_shift"):
         upsets += [(each, level) for each in (dut.u_shift.run_o, dut.u_shift.spi_cs_n_o) for level in (0, 1)]
     for register, value in upsets:
-        for at in (0, 1, 2, *draw.sample(range(3, harness.period), 4)):
+        for at in (0, 1, 2, draw.randrange(3, harness.period)):
             sent, lost = len(harness.beats), len(harness.losses)
             risen = part.has_busy and harness.part.reset_rose
             await harness.run(at)
@@ -987,6 +987,8 @@ EVIDENCE = {
 def test_adc_spi(parameters):
     skipped = ["triggers_"]
     skipped += [] if PARTS[parameters["Part"]].has_busy else ["busy_"]
+    # Upsets of the others are in test_adc_spi_with_upsets_of_its_shifter, and those of its shifter with them.
+    skipped += [] if parameters.get("ReadDuring") or parameters["Part"] > 5 else ["goes_on_"]
     skipped += [] if parameters.get("ReadDuring") else ["reading_"]
     skipped += [] if PARTS[parameters["Part"]].tagged else ["tag_"]
     bench.run("frontend", "adc_spi", parameters, test_filter=rf"^(?!.*({'|'.join(skipped)}))")

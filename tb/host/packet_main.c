@@ -26,6 +26,9 @@ static void show(const struct msn_packet *p) {
       break;
     case MSN_HEALTH: printf(" %" PRIu32 " %u", p->is.health.taxel, p->is.health.faults); break;
     case MSN_STATISTIC: printf(" %u %" PRIu32, p->is.statistic.index, p->is.statistic.value); break;
+    case MSN_CLASS:
+      printf(" %u %u %" PRIu32, p->is.classified.label, p->is.classified.told, p->is.classified.votes);
+      break;
     case MSN_ANSWER:
       printf(" %u %u %u %" PRIu32, p->is.answer.tag, p->is.answer.status, p->is.answer.address,
              p->is.answer.data);

@@ -23,7 +23,7 @@ from hypothesis import HealthCheck, given, seed, settings
 
 from host.test_packet_c import decode_c, expected  # noqa: F401 - decode_c is a fixture
 from host.test_wire import crc32, stuffed
-from meissner import calibration, files, host, scenes
+from meissner import calibration, host, readers, scenes
 from meissner.builds import config, units
 from meissner.host import line, log
 from meissner.host.packets import Image
@@ -286,7 +286,7 @@ def read_recording(path):
     if path.suffix == ".npz":
         calibration.read_recording(path)
     else:
-        calibration.check_codes(files.read_array(path))
+        readers.read(path, shape=(1, 2) if path.suffix == ".csv" else None).scaled()
 
 
 def read_log(path):
@@ -337,7 +337,7 @@ HEADER = (
 def test_a_header_that_python_cannot_parse(tmp_path):
     (tmp_path / "a.npy").write_bytes(HEADER.ljust(128) + bytes(48))
     with pytest.raises(ValueError, match=r"a\.npy"):
-        files.read_array(tmp_path / "a.npy")
+        readers.read(tmp_path / "a.npy")
 
 
 def test_an_archive_of_what_is_no_array(tmp_path):

@@ -49,7 +49,7 @@ def expected(line):
 
 def frames(rng, count):
     """Frames of packets of every type and payload length, valid and invalid."""
-    lengths = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}
+    lengths = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.CLASS: 8, p.ANSWER: 8}
     for number in range(count):
         kind = int(rng.choice([*p.KNOWN, 0, 77]))
         lengths[p.STATES] = 4 + 2 * int(rng.integers(1, 33))

@@ -22,7 +22,7 @@ from meissner.twins.slip.slip_changes import Change
 INPUTS = (
     *("slip_valid", "slip", "slip_time", "cop_valid", "cop", "cop_time", "health_valid", "health"),
     *("answer_valid", "answer_data", "statistics", "now", "states", "states_state"),
-    *("image_valid", "image_data", "image_last", "image_time"),
+    *("image_valid", "image_data", "image_last", "image_time", "class_valid", "class"),
 )
 
 
@@ -110,6 +110,16 @@ class Health(Source):
         return self.dut.health_ready_o.value == 1
 
 
+class Classified(Source):
+    def draw(self, now):
+        label, told, votes, stamp = self.bits(16, 16, 32, 48)
+        self.put("class", label=label, told=told, votes=votes, stamp=stamp)
+        return stamp, p.class_change(label, told, votes)
+
+    def ready(self):
+        return self.dut.class_ready_o.value == 1
+
+
 class Answer(Source):
     def draw(self, now):
         low, high = self.bits(32, 32)
@@ -183,7 +193,17 @@ class Bench:
 
 
 def parameters(dut):
-    names = ("SlipDepth", "Cop", "Health", "Answers", "Statistics", "StatisticBits", "Taxels", "Chunk")
+    names = (
+        "SlipDepth",
+        "Cop",
+        "Classes",
+        "Health",
+        "Answers",
+        "Statistics",
+        "StatisticBits",
+        "Taxels",
+        "Chunk",
+    )
     return {name: getattr(dut, name).value.to_unsigned() if hasattr(dut, name) else 0 for name in names}
 
 
@@ -194,9 +214,9 @@ async def begin(dut, rng, rates, ready=lambda: True, **inputs):
     sources = {}
     if build["SlipDepth"]:
         sources["slip"] = Slip(dut, rng, "slip", rates.get("slip", 0))
-    for name, kind in (("Cop", Cop), ("Health", Health), ("Answers", Answer)):
+    kinds = {"Cop": ("cop", Cop), "Classes": ("class", Classified), "Health": ("health", Health)}
+    for name, (port, kind) in (kinds | {"Answers": ("answer", Answer)}).items():
         if build[name]:
-            port = name.lower().removesuffix("s")
             sources[port] = kind(dut, rng, port, rates.get(port, 0))
     if build["Taxels"]:
         sources["image"] = Image(dut, rng, rates.get("image", 0), build["Taxels"])
@@ -235,6 +255,8 @@ def check(dut, got, sources, counters, build):
         assert [payload for _, payload in pairs.get(p.ANSWER, [])] == [d for _, d in sources["answer"].sent]
     if "health" in sources:
         assert pairs.get(p.HEALTH, []) == [tuple(report) for report in sources["health"].sent]
+    if "class" in sources:
+        assert pairs.get(p.CLASS, []) == sources["class"].sent
     if "cop" in sources:
         mine, sent = pairs.get(p.COP, []), sources["cop"].sent
         assert subsequence(mine, sent)
@@ -298,6 +320,7 @@ async def everything_at_once(dut, load):
         "full": {"slip": 0.004, "cop": 0.05, "health": 0.01, "answer": 0.002, "image": 1.0},
         "slow line": {"slip": 0.002, "cop": 0.01, "health": 0.01, "answer": 0.01, "image": 0.9},
     }[load]
+    rates["class"] = rates["health"]
     draw = np.random.default_rng(7)
     rate = 0.05 if load == "slow line" else 1.0
     test, sources, counters = await begin(dut, rng, rates, lambda: draw.random() < rate)
@@ -382,14 +405,14 @@ async def a_full_queue_holds_the_slip_path(dut):
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def recovers_after_reset(dut):
     rng = np.random.default_rng(bench.SEED)
-    rates = {"slip": 0.01, "cop": 0.01, "health": 0.01, "answer": 0.01, "image": 0.9}
+    rates = {"slip": 0.01, "cop": 0.01, "health": 0.01, "answer": 0.01, "image": 0.9, "class": 0.01}
     test, _, _ = await begin(dut, rng, rates)
     for cut in (30, 61, 333, None):
         await test.run(cut or 1)
         inside = getattr(dut, "state", None)  # a netlist may lack it
         while cut is None and inside is not None and inside.value.to_unsigned() != CHECK:
             await test.run(1)
-        for name in ("slip", "cop", "health", "answer", "image"):
+        for name in ("slip", "cop", "health", "answer", "image", "class"):
             getattr(dut, f"{name}_valid_i").value = 0
         await bench.reset(dut)
         build = parameters(dut)
@@ -474,7 +497,7 @@ async def each_part_of_the_largest_image_says_where_it_begins(dut):
 
 ALONE = {"SlipDepth": 0, "Cop": 0, "Health": 0, "Answers": 0, "Statistics": 0, "Taxels": 0}
 BUILDS = [
-    {"SlipDepth": 4, "Statistics": 3, "StatisticBits": 10, "Taxels": 36, "Chunk": 16},
+    {"SlipDepth": 4, "Statistics": 3, "StatisticBits": 10, "Taxels": 36, "Chunk": 16, "Classes": 1},
     {"SlipDepth": 16, "Statistics": 1, "StatisticBits": 8, "Taxels": 9, "Chunk": 64},
     {"SlipDepth": 2, "Statistics": 0, "Taxels": 128, "Chunk": 116},
     ALONE | {"SlipDepth": 2, "Cop": 1},

@@ -1,4 +1,5 @@
-"""Microchip HV507: 64 push-pull outputs of high voltage behind a shift register and latches (docs/pin_display.md)."""
+"""Microchip HV507: 64 push-pull outputs of high voltage behind a shift register and latches
+(docs/pin_display.md)."""
 
 from dataclasses import dataclass
 
@@ -11,7 +12,8 @@ OUTPUTS = 64
 
 @dataclass(frozen=True)
 class Limits:
-    """ns. The data sheet could not be read: each is unverified, and none is below that of a part of the family."""
+    """ns. The data sheet could not be read: each is unverified, and none is below that of a part of the
+    family."""
 
     t_clk: float = 125  # 8 MHz
     t_hi: float = 62
@@ -24,8 +26,8 @@ class Limits:
 
 
 class Hv507(PartModel):
-    """``drivers`` parts in a chain; ``lane``: of the data line. ``outputs``: their levels, from the bit shifted in last
-    on, and ``changes``: [(ns, levels)] as often as they change."""
+    """``drivers`` parts in a chain; ``lane``: of the data line. ``outputs``: their levels, from the bit
+    shifted in last on, and ``changes``: [(ns, levels)] as often as they change."""
 
     def __init__(self, data, clk, le, bl, pol, drivers=2, lane=0, limits=None, report=None):
         super().__init__(limits or Limits(), report)
@@ -36,7 +38,13 @@ class Hv507(PartModel):
         self.changes, self.latched = [], []  # latched: [ns] of LE rising
         self.outputs = None
         self.show()
-        for watch in (self.watch_data, self.watch_clk, self.watch_le, self.watch_levels(bl), self.watch_levels(pol)):
+        for watch in (
+            self.watch_data,
+            self.watch_clk,
+            self.watch_le,
+            self.watch_levels(bl),
+            self.watch_levels(pol),
+        ):
             cocotb.start_soon(watch() if callable(watch) else watch)
 
     def show(self):

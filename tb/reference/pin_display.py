@@ -1,5 +1,5 @@
-"""The pin display by docs/pin_display.md: the phase clock by clock, the limits pin by pin from lists of all that was
-driven, the image's averages from areas as fractions."""
+"""The pin display by docs/pin_display.md: the phase clock by clock, the limits pin by pin from lists of all
+that was driven, the image's averages from areas as fractions."""
 
 from fractions import Fraction
 
@@ -57,46 +57,49 @@ class Phase:
 
 
 class Limits:
-    """``period`` takes a frame and what is known of the period that ends; it returns the levels that are driven."""
+    """``period`` takes a frame and what is known of the period that ends; it returns the levels that are
+    driven."""
 
     def __init__(self, pins, bits):
         self.pins, self.highest = range(pins), (1 << bits) - 1
-        self.charged = [[] for _ in self.pins]  # of each pin: (eighth in which it was charged, ticks)
-        self.held = [0] * pins  # eighths that ended while the frames had it on
+        self.charged = [[] for _ in self.pins]  # of each pin: (seventh in which it was charged, ticks)
+        self.held = [0] * pins  # sevenths that ended while the frames had it on
         self.on = set()
-        self.eighth = 0
+        self.seventh = 0
 
     def charge(self, length):
         for pin in self.on:
-            self.charged[pin].append((self.eighth, length + 1))
+            self.charged[pin].append((self.seventh, length + 1))
         self.on = set()
 
     def total(self, pin):
-        return sum(ticks for eighth, ticks in self.charged[pin] if eighth >= self.eighth - 8)
+        return sum(ticks for seventh, ticks in self.charged[pin] if seventh >= self.seventh - 7)
 
     def period(self, frame, length, turned, top, most, duty, watchdog, burst=True, silent=False):
-        """(levels, pins that a limit keeps off)"""
-        self.eighth += turned
+        """(levels, whether a limit keeps a pin off)"""
+        self.seventh += turned
         self.charge(length)
-        top, levels, used, kept_off = min(top, self.highest), [], 0, 0
+        top, levels, used, kept_off = min(top, self.highest), [], 0, False
         for pin, wish in zip(self.pins, frame):
+            wish = min(wish, self.highest)
             self.held[pin] = min(self.held[pin] + turned, 15) if wish else 0
             may = wish > 0 and top > 0 and used < most and self.held[pin] <= watchdog
             may = may and self.total(pin) + length + 2 <= duty
             used += may
-            kept_off += wish > 0 and not may
+            kept_off |= wish > 0 and not may
             if may and burst and not silent:
                 self.on.add(pin)
             levels.append(min(wish, top) if pin in self.on else 0)
         return levels, kept_off
 
     def off(self, length, turned=0):
-        self.eighth += turned
+        self.seventh += turned
         self.charge(length)
 
 
 def averages(image, rows, columns):
-    """Of each pin of a grid that an image is divided into: the mean of the taxels by their areas, as fractions."""
+    """Of each pin of a grid that an image is divided into: the mean of the taxels by their areas, as
+    fractions."""
     high, wide = len(image), len(image[0])
 
     def shared(first, last, start, end):
@@ -116,7 +119,8 @@ def averages(image, rows, columns):
 
 
 def level_of(mean, floor, step, highest):
-    """Of a pin with that mean: 0 below ``floor``, then a level for each ``step``, all of them at once for 0."""
+    """Of a pin with that mean: 0 below ``floor``, then a level for each ``step``, all of them at once for
+    0."""
     if mean < floor:
         return 0
     level = 1

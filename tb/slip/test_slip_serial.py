@@ -131,7 +131,8 @@ async def compares_exactly_at_each_limit(dut):
     level, window = (getattr(dut, n).value.to_unsigned() for n in ("Level", "Window"))
     longest = (1 << dut.TimerBits.value.to_unsigned()) - 1
     await bench.start(dut, actuator_moving_i=0)
-    for limit, rises, lower in itertools.product((1, 2, 63, 64, 100), (True, False), (True, False)):
+    rules = [*itertools.product((True, False), repeat=2)]  # all with one limit, one with each of the others
+    for limit, (rises, lower) in [*((64, rule) for rule in rules), *zip((1, 2, 63, 100), rules)]:
         levels = {"contact_level": limit, "release_level": limit, "contact_rises": rises}
         # The flag is raised by the least p2p above ``limit``, or by a greater one and then kept by it.
         keep = {"threshold": limit + 1, "keep_threshold": limit} if lower else {"threshold": limit}

@@ -61,8 +61,6 @@ def _line(group, register_, field):
     applies = register_.get_property("applies", default=default) if kind in ("setting", "command") else "-"
     if applies not in (*APPLIES, "-"):
         _fail(f"{name} applies {applies!r}, which is none of {', '.join(APPLIES)}")
-    if field.get_property("swmod") and field.low // 8 != field.high // 8:
-        _fail(f"{name} acts when its byte is written, so it must lie in one")
     more = [
         *["signed"] * bool(field.get_property("is_signed", default=False)),
         *["written"] * bool(field.get_property("swmod")),
@@ -336,7 +334,7 @@ def page(groups, texts):
         "Settings that belong together take effect with the same frame if `core.hold` is 1 while they are",
         "written: `with core.together():` in Python. Those of the scan do not wait for `core.hold`.",
         "",
-        "A build without registers (`registers = false`: `slip1`, and every build for the iCEBreaker)",
+        "A build without registers (`registers = false`: `slip1`, and every named build for the iCEBreaker)",
         "answers no access. Its settings are those of its configuration, and a host can only receive its",
         "packets.",
     ]

@@ -187,7 +187,7 @@ def chosen(options):
     if given and (whole or given not in pairs[0][0].devices):
         known = ", ".join(pairs[0][0].devices) or "one device only"
         raise ValueError(f"--device {given} is for a bitstream of a board that has it; here: {known}")
-    return [(board, config, board.plan(config)) for board, config in pairs]
+    return [(board, config, board.plan(config, options.device)) for board, config in pairs]
 
 
 def make(board, config, plan, options):

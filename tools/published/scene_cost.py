@@ -24,12 +24,14 @@ from meissner.twins.slip.shear_speed import ShearSettings
 from meissner.twins.slip.shear_speeds import ShearConfig
 
 REPEATS = 3
+WINDOW = 6  # of a rope's differences
 # All features of the core that a sensor can have at once.
 FEATURES = {
     **dict.fromkeys(("rubber", "shear"), ("slip", "shear_speed")),
     **dict.fromkeys(("mesh", "grip"), ("cop4", "cop_slip")),
     **dict.fromkeys(("array", "fsr"), ("calibrate", "cop")),
     "capacitive": ("demod", "calibrate", "cop"),
+    "rope": ("forest_features", "calibrate", "cop"),
 }
 
 
@@ -38,8 +40,8 @@ ALL_PHYSICS = {"rubber": ("grip_slip", 6)}  # {sensor: scene, condition}
 
 def one_run(scene, condition=0):
     """The scene with one run of one condition."""
-    for name in ("conditions", "cases"):
-        if getattr(scene, name, ()):
+    for name in ("conditions", "cases", "names", "pulls"):
+        if name in scene.__dataclass_fields__:
             scene = replace(scene, **{name: getattr(scene, name)[condition : condition + 1]})
     return replace(scene, seeds=1) if hasattr(scene, "seeds") else scene
 
@@ -85,6 +87,10 @@ def others(scene, engine):
         yield lambda: engines.process_cop(np.clip(codes, 0, engines.MAX_CODE), engine)
     elif "calibrate" in missing:
         yield lambda: engines.calibrate(found.codes, straight(found.codes.shape[1:]), engine)
+        if "cop" in missing:
+            yield lambda: engines.process_cop(np.clip(found.codes, 0, engines.MAX_CODE), engine)
+    if "forest_features" in missing:
+        yield lambda: function(engine, "forest_features")(found.channels, WINDOW)
 
 
 def ms_per_s(scene, engine, calls=None):

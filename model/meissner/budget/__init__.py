@@ -62,7 +62,7 @@ def _config(arguments):
     if arguments.cop4 or arguments.out:
         raise ValueError("--config must go without --cop4 and --out")
     build = config.load(arguments.config)
-    names = build.features or (build.kind,)
+    names = [name for name in build.features if name != "grip" or not build.array] or [build.kind]
     modules = {name: import_module(f"meissner.budget.{name}") for name in names}
     found = {name: module.of_config(build) for name, module in modules.items()}
     if arguments.json:

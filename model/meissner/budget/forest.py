@@ -1,61 +1,24 @@
 """``meissner forest-budget``: what a forest needs of each board, how long a decision takes, what a smaller
 one costs, and the best that fits (docs/forest.md, "Budget")."""
 
-import csv
 import json
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from meissner import files
 from meissner.builds.boards import BOARDS
 from meissner.forest import file, words
+from meissner.forest.cost import RESERVE, clocks, depths, needs, rams, word_bits
 from meissner.forest.forest import Forest
 from meissner.forest.place import lengths, place
 from meissner.forest.reduce import Reducer
-from meissner.terminal import plain
+from meissner.forest.rows import read
+from meissner.terminal import columns, plain
 from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 NODE_BITS = 64
-LANES = 4  # of classes that an engine adds in a clock
-SHARE = 0.95  # of the clocks in which an engine of block RAM compares a node
-SDRAM_CLOCKS = 4.2  # a node (tb/forest/test_forest_sdram.py)
-WALK_CLOCKS = 28  # from a node to its child, through the SDRAM
 SDRAM = "ulx3s"
-RESERVE = 4  # block RAMs for what else a core has
-
-
-def rams(count, bits, cells):
-    """Block RAMs for ``count`` words of ``bits``, in the shape that takes the fewest."""
-    size, widest = {"ice40": (4096, 16), "ecp5": (16384, 32), "gowin": (16384, 32)}[cells]
-    extra = 9 / 8 if widest == 32 else 1  # bits of parity, which hold data too
-    shapes = [(size // width, int(width * (extra if width >= 8 else 1))) for width in (1, 2, 4, 8, 16, 32)]
-    return min(-(-count // deep) * -(-bits // wide) for deep, wide in shapes if wide <= widest * extra)
-
-
-def word_bits(model):
-    """Bits of a node in block RAM (rtl/forest/msn_forest_memory.sv): kind, feature, threshold, low half."""
-    most = max((int(np.abs(tree.threshold).max(initial=0)) for tree in model.trees), default=0)
-    threshold = min((most + 1).bit_length() + 1, words.THRESHOLD_BITS)
-    return 2 + max((len(model.features) - 1).bit_length(), 1) + threshold + 32
-
-
-def sizes(model, engines):
-    """(words, trees) of each engine."""
-    own = [max(len(tree.feature), 1) for tree in model.trees]
-    return [(sum(own[tree] for tree in trees), len(trees)) for trees in words.spread(model, engines)]
-
-
-def needs(model, cells, engines, banks):
-    """Block RAMs of a forest's nodes, roots and leaves: as many for each engine as for the fullest."""
-    nodes, trees = (max(each) for each in zip(*sizes(model, engines)))
-    each = rams(banks * nodes, word_bits(model), cells)
-    each += rams(banks * trees, max((nodes - 1).bit_length(), 1), cells)
-    if len(model.classes) != 2:
-        lanes, turns = min(len(model.classes), LANES), -(-len(model.classes) // LANES)
-        each += lanes * rams(banks * turns * len(model.leaves), 16, cells)
-    return engines * each
 
 
 def walks(forest, x=None):
@@ -65,29 +28,6 @@ def walks(forest, x=None):
         steps = np.maximum(forest.steps(x), 1)
         return steps, steps
     return lengths(forest.model)[None], np.array([[max(depths(tree), 1) for tree in forest.model.trees]])
-
-
-def depths(tree):
-    """Nodes of the longest path of a tree."""
-    below = np.ones(len(tree.feature), np.int64)
-    for node in reversed(range(len(below))):
-        for child in (tree.left[node], tree.right[node]):
-            if child >= 0:
-                below[node] = max(below[node], 1 + below[child])
-    return int(below[0]) if len(below) else 0
-
-
-def clocks(model, walked, engines):
-    """{"block RAM", "SDRAM"}: (mean, worst) clocks of a decision; ``walked``: as ``walks`` gives them."""
-    found = [_clocks(model, steps, engines) for steps in walked]
-    return {name: (round(found[0][name].mean()), round(found[1][name].max())) for name in found[0]}
-
-
-def _clocks(model, steps, engines):
-    busiest = np.max([steps[:, own].sum(1) for own in words.spread(model, engines)], axis=0)
-    ends = len(model.features) + len(model.classes) * (engines + 4)
-    outside = np.maximum(steps.sum(1) * SDRAM_CLOCKS, WALK_CLOCKS * steps.max(1)) + ends
-    return {"block RAM": busiest / SHARE + ends, "SDRAM": outside}
 
 
 def devices():
@@ -122,6 +62,14 @@ def budget(model, walked, engines=1, banks=1):
     return found
 
 
+def of_config(config):
+    """The budget of the forest in a configuration's file."""
+    forest = config.features["forest"]
+    if forest.model is None:
+        raise ValueError("[forest]: a budget needs the forest: file = 'F.json'")
+    return budget(forest.model, walks(Forest(forest.model)), forest.engines, forest.banks)
+
+
 def _placed(model):
     try:
         place(model)
@@ -148,47 +96,7 @@ def tell(found):
         need = f"{each['block_rams']} of {each['room']}" if "words" not in each else f"{each['words']} words"
         numbers = (*map(str, each["clocks"]), f"{each['mhz']:g}", *(f"{us:.1f}" for us in each["us"]))
         rows.append((each["memory"], need, *numbers, "fits" if each["fits"] else "too large"))
-    return [*text, *table(rows)]
-
-
-def table(rows):
-    """Lines of columns, numbers to the right."""
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    first = lambda row: row[0].ljust(widths[0])
-    rest = lambda row: (cell.rjust(width) for cell, width in zip(row[1:], widths[1:]))
-    return ["  ".join([first(row), *rest(row)]).rstrip() for row in rows]
-
-
-def read_rows(path, names):
-    """(x, y) of labelled rows: x and y of a .npz file, or a .csv file whose header names every feature and
-    whose last column is the label."""
-    path = files.check_in(path)
-    if path.suffix.lower() == ".npz":
-        given = files.read_arrays(path)
-        for name in ("x", "y"):
-            if name not in given:
-                raise ValueError(f"{path} has no array {name}; it must have x [rows, features] and y [rows]")
-        x, y = given["x"], given["y"]
-    elif path.suffix.lower() == ".csv":
-        with path.open(newline="", encoding="utf-8") as text:
-            lines = list(csv.reader(text))
-        if not lines or lines[0][:-1] != names:
-            raise ValueError(
-                f"{path}: its header must be {', '.join(names[:8])}{' ...' * (len(names) > 8)}, label"
-            )
-        for number, line in enumerate(lines[1:], start=2):
-            if len(line) != len(names) + 1:
-                raise ValueError(f"{path}, line {number}: {len(line)} values are not {len(names) + 1}")
-        try:
-            x = np.array([line[:-1] for line in lines[1:]], np.float64).reshape(-1, len(names))
-        except ValueError as problem:
-            raise ValueError(f"{path}: {problem}") from None
-        y = np.array([line[-1] for line in lines[1:]])
-    else:
-        raise ValueError(f"{path} must be a .npz or a .csv file")
-    if x.ndim != 2 or len(x) != len(y) or not len(x):
-        raise ValueError(f"{path}: {x.shape} features do not fit {y.shape} labels")
-    return x, y
+    return [*text, *columns(rows, numbers=True)]
 
 
 class Compared:
@@ -284,11 +192,11 @@ def command(arguments):
         raise ValueError("--out writes the forest that --fit finds")
     room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
     names = [feature.name for feature in forest.model.features]
-    x, y = read_rows(arguments.data, names) if arguments.data else (None, None)
+    x, y = read(arguments.data, names, labelled=True)[:2] if arguments.data else (None, None)
     found = budget(forest.model, walks(forest, x), engines, banks)
     if x is not None:
         compared = Compared(forest, x, y)
-        trained = read_rows(arguments.training, names)[0] if arguments.training else x[::2]
+        trained = read(arguments.training, names, labelled=True).x if arguments.training else x[::2]
         reducer = Reducer(forest, trained)
         found["distinct_subtrees"] = reducer.distinct()
         if not arguments.fit:
@@ -327,7 +235,7 @@ def command(arguments):
             (each["forest"], str(each["nodes"]), f"{each['accuracy']:.2%}", f"{each['same_class']:.2%}")
             for each in found["smaller"]
         ]
-        print("", *table(rows), sep="\n")
+        print("", *columns(rows, numbers=True), sep="\n")
     if "fit" in found:
         own = found["fit"]
         print(f"\nthe best of these kinds that fits {own['memory']}:")

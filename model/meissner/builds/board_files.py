@@ -20,7 +20,15 @@ OUTPUTS = {
     "pwm": "pwm_o",
 }
 INPUTS = {"miso": "adc_miso_i", "busy": "adc_busy_i", "moving": "moving_i", "rx": "rx_i"}
-DISPLAY = ("hv_data", "hv_clk", "hv_le", "hv_bl", "hv_pol", "hv_dir")  # outputs of a core with a display alone
+DIRECTIONS = {"in": "input  logic", "out": "output logic", "inout": "inout  wire"}
+DISPLAY = (
+    "hv_data",
+    "hv_clk",
+    "hv_le",
+    "hv_bl",
+    "hv_pol",
+    "hv_dir",
+)  # outputs of a core with a display alone
 FLAGS = ("slip", "gross", "touched", "pressed")
 
 
@@ -29,7 +37,7 @@ def top(plan: Plan) -> str:
     board, roles = plan.board, plan.roles
     name, clock = board.name, board.clock["port"]
     ports = ",\n".join(
-        f"  {'input ' if port.is_input else 'output'} logic "
+        f"  {DIRECTIONS[port.direction]} "
         + (f"[{len(port.pins) - 1}:0] " if len(port.pins) > 1 else "")
         + port.port
         for port in plan.ports
@@ -40,6 +48,8 @@ def top(plan: Plan) -> str:
     wires |= {INPUTS[role]: f"!{roles[role].port}" for role in board.inverted}
     wires |= {roles[role].port: roles[role].port for role in ("slip_each", *DISPLAY) if role in roles}
     wires |= {"tx_o": roles["tx"].port} | {f"{flag}_o": flag for flag in FLAGS}
+    sdram = "sdram_dq" in roles
+    wires |= {"sdram_o": "sdram", "sdram_dq_i": "sdram_dq_io"} if sdram else {}
     wired = ",\n".join(f"    .{port:<12}({wire})" for port, wire in wires.items())
     idle = [wire for wire in wires.values() if wire.startswith("unused_")]  # of one bit each
     named = [["clk", "good", *FLAGS], idle] if idle else [["clk", "good", *FLAGS]]
@@ -47,6 +57,8 @@ def top(plan: Plan) -> str:
     rest = [(port.port, f"1'b{port.idle}") for port in plan.ports if port.idle is not None]
     rest += [(led, told["shows"]) for led, told in board.leds.items()]
     rest += [(roles[flag].port, flag) for flag in FLAGS if flag in roles]
+    rest += [(f"sdram_{line}_o", f"sdram.{line}") for line in SDRAM if sdram]
+    rest += [("sdram_dq_io", "sdram.dq_enable ? sdram.dq : 16'bz")] if sdram else []
     assigned = "\n".join(f"  assign {port} = {level};" for port, level in rest)
     return f"""// SPDX-License-Identifier: Apache-2.0
 //
@@ -59,7 +71,7 @@ module {name}_top (
 );
 
 {declared}
-  {name}_clock u_clock (
+{_sdram_clock() if sdram else ""}  {name}_clock u_clock (
     .{clock},
     .clk_o (clk),
     .good_o(good)
@@ -73,6 +85,15 @@ module {name}_top (
 
 endmodule
 """
+
+
+SDRAM = ("cke", "cs_n", "ras_n", "cas_n", "we_n", "ba", "a", "dqm")  # lines from the controller
+
+
+def _sdram_clock() -> str:
+    """The SDRAM's clock, inverted, from an output register of an ECP5 with two edges (docs/sdram.md)."""
+    ports = ".SCLK(clk), .RST(1'b0), .D0(1'b0), .D1(1'b1), .Q(sdram_clk_o)"
+    return f"  msn_pkg::sdram_t sdram;\n  ODDRX1F u_sdram_clk ({ports});\n\n"
 
 
 def _pcf(plan: Plan) -> Iterator[str]:

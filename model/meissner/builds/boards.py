@@ -66,15 +66,18 @@ class Board:
         """Name of the smallest device for that configuration; None: there is only one, or it is unknown."""
         return self.changes(name).get("device")
 
-    def plan(self, name: str) -> pins.Plan:
-        """The pins of that configuration.
+    def plan(self, name: str, device: str | None = None) -> pins.Plan:
+        """The pins of that configuration; ``device``: None for the smallest with room, or the largest.
 
         Raises
         ------
         ValueError
-            If the board lacks the pins or the clock.
+            If the board lacks the pins, the clock, or the block RAM for a forest.
         """
         build = self.config(name)
+        if (forest := build.features.get("forest")) is not None and self.rams:
+            device = device or self.device(name) or list(self.rams)[-1]
+            forest.check_room(f"{self.name} {device}".strip(), self.cells, self.rams[device])
         return pins.assign(pins.description(self.name), label(name), build.parameters, build.slip_pins)
 
     def parameters(self, name: str) -> dict[str, int]:
@@ -116,6 +119,7 @@ def sizes(parameters: dict[str, int], slip_pins: int = 0) -> dict[str, int]:
         "DATA_LINES": converters * parameters.get("AdcLanes", 1),
         "GROUP_BITS": max((pins.groups(parameters) - 1).bit_length(), 1),
     }
+    found |= {"SDRAM": 1} if parameters.get("ForestSdram") else {}
     found |= {"PIN_CHAINS": parameters["PinChains"]} if parameters.get("Display") else {}
     return found | ({"SLIP_PINS": slip_pins} if slip_pins else {})
 

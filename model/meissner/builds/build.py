@@ -9,7 +9,19 @@ from typing import Any
 from meissner.builds import input_range
 from meissner.builds.features import FEATURES
 from meissner.builds.input_range import Sensed, Wiring
-from meissner.builds.keys import PARTS, Adc, Array, ArrayAdc, Channels, Electrodes, Health, Link, Tare, Taxels
+from meissner.builds.keys import (
+    PARTS,
+    Adc,
+    Array,
+    ArrayAdc,
+    Channels,
+    Electrodes,
+    Health,
+    Link,
+    Nothing,
+    Tare,
+    Taxels,
+)
 from meissner.builds.settling import Settling
 from meissner.builds.units import Units
 from meissner.physics.adc import Adc as Converter
@@ -37,7 +49,7 @@ class Config:
     name: str
     about: str
     clk_khz: int
-    sensor: Channels | Taxels | Electrodes
+    sensor: Channels | Taxels | Electrodes | Nothing
     adc: Adc | ArrayAdc
     link: Link
     rate_hz: float
@@ -175,6 +187,8 @@ class Config:
             level=self.slip.level if self.slip else 1,
             rate_hz=self.rate_hz,
         )
+        if isinstance(self.sensor, Nothing):
+            return replace(known, rate_hz=None)
         if self.array:
             known = replace(
                 known,
@@ -209,7 +223,7 @@ class Config:
                 found |= {f"health.{key}": code for key, code in self.rails._asdict().items()}
             if self.tare:
                 found |= {"tare.contact": values(self.tare)["contact_codes"], "tare.step": self.tare.step}
-        else:
+        elif not isinstance(self.sensor, Nothing):
             found |= {"adc.enable": 1, "adc.period": self.period_clocks}
         if self.slip:
             found |= {f"slip.{name}": value for name, value in self.slip.settings.items()}
@@ -227,7 +241,8 @@ class Config:
     def parameters(self) -> dict[str, int]:
         """Parameters of rtl/msn_core.sv: {name: value}."""
         array, slip, link = self.array, self.slip, self.link
-        found = {"Adc": self.part.number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc.sclk_khz or 0}
+        number = 0 if isinstance(self.sensor, Nothing) else self.part.number
+        found = {"Adc": number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc.sclk_khz or 0}
         found |= {"AdcLanes": self.adc.lanes, "BaudHz": link.baud}
         found |= {"ReadDuring": 1} if self.adc.read == "during" else {}
         if array:
@@ -257,26 +272,10 @@ class Config:
 
     def check(self) -> "Config":
         """This Config; ValueError if its numbers do not fit together."""
-        self._codes_occur()
-        if self.array:
-            needed = self.scan.latency(self.settle_clocks)["frame"]
-            what = "a scan"
-        else:
-            needed = self.converter.safe_period()
-            what = "a conversion"
-        if self.period_clocks < needed:
-            most = 1000 * self.clk_khz / needed
-            raise ValueError(
-                f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, "
-                f"so at most {most:.0f} Hz"
-            )
-        longest = (1 << (32 if self.array else 24)) - 1
-        if self.period_clocks > longest:
-            least = 1000 * self.clk_khz / longest
-            raise ValueError(
-                f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
-                f"so at least {least:.3g} Hz"
-            )
+        if not isinstance(self.sensor, Nothing):
+            self._sensor_fits()
+        elif not self.features:
+            raise ValueError("[sensor]: kind = 'none' must go with [forest]")
         if self.array:
             with naming("[adc]"):
                 self.settling.check(self.settle_clocks)
@@ -313,6 +312,29 @@ class Config:
             self._images_pass()
         reset_word(self.settings, self.widths)
         return self
+
+    def _sensor_fits(self) -> None:
+        """ValueError if the converter is too slow or too fast, or a level in codes does not occur."""
+        self._codes_occur()
+        if self.array:
+            needed = self.scan.latency(self.settle_clocks)["frame"]
+            what = "a scan"
+        else:
+            needed = self.converter.safe_period()
+            what = "a conversion"
+        if self.period_clocks < needed:
+            most = 1000 * self.clk_khz / needed
+            raise ValueError(
+                f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, "
+                f"so at most {most:.0f} Hz"
+            )
+        longest = (1 << (32 if self.array else 24)) - 1
+        if self.period_clocks > longest:
+            least = 1000 * self.clk_khz / longest
+            raise ValueError(
+                f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
+                f"so at least {least:.3g} Hz"
+            )
 
     def _codes_occur(self) -> None:
         """ValueError for a level in codes that no sample of this sensor reaches, or that undoes another."""

@@ -62,6 +62,9 @@ def load(
     for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
         if value is not None and isinstance(tables.get(table), dict):
             tables[table] = tables[table] | {key: value}
+    forest = tables.get("forest")
+    if isinstance(forest, dict) and isinstance(forest.get("file"), str):
+        tables["forest"] = forest | {"file": str(path.parent / forest["file"])}
     try:
         return read(path.stem, tables)
     except ValueError as problem:
@@ -100,16 +103,17 @@ def read(name: str, tables: dict[str, Any]) -> Config:
 
 def _read(name: str, file: Any) -> Config:
     """``file``: one of keys.FILES."""
-    part, clk_khz = keys.PARTS[file.adc.part], round(1000 * file.clock.mhz)
-    sclk_khz = file.adc.sclk_khz or part.sclk_default_khz
+    adc = getattr(file, "adc", keys.UNUSED)
+    part, clk_khz = keys.PARTS[adc.part], round(1000 * file.clock.mhz)
+    sclk_khz = adc.sclk_khz or part.sclk_default_khz
     base = Config(
         name=name,
         about=file.about,
         clk_khz=clk_khz,
         sensor=file.sensor,
-        adc=msgspec.structs.replace(file.adc, sclk_khz=sclk_khz),
+        adc=msgspec.structs.replace(adc, sclk_khz=sclk_khz),
         link=file.link,
-        rate_hz=file.adc.rate_hz,
+        rate_hz=adc.rate_hz,
     )
     with naming("[adc]"):
         limits = base.input
@@ -126,14 +130,14 @@ def _read(name: str, file: Any) -> Config:
             if array.tare
             else None,
         )
-    else:
+    elif not isinstance(file, keys.NothingFile):
         with naming("[adc]"):
-            AdcSpi(part, base.channels, file.adc.lanes, clk_khz, sclk_khz)
+            AdcSpi(part, base.channels, adc.lanes, clk_khz, sclk_khz)
     if isinstance(file, keys.ElectrodesFile):
         bits, mesh, load = part.data_bits, file.mesh, file.load
         converter = four_wires.Converter(
             bits=bits,
-            reference_v=file.adc.volts,
+            reference_v=adc.volts,
             gain=load.gain,
             difference_gain=load.difference_gain,
         )
@@ -142,7 +146,7 @@ def _read(name: str, file: Any) -> Config:
         if file.cop_slip:
             with naming("[cop_slip]"):
                 base = replace(base, cop_slip=file.cop_slip.codes(base.rate_hz, cop4.load_lsb_n))
-    elif file.slip:
+    if getattr(file, "slip", None):
         with naming("[slip]"):
             base = replace(base, serial=file.slip.serial, slip=file.slip.codes(base.units))
     features = {}

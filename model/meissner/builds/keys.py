@@ -54,10 +54,19 @@ class Electrodes(Table, frozen=True):
     kind: Literal["electrodes"]
 
 
+class Nothing(Table, frozen=True):
+    """[sensor] of a build without one: a forest for rows from a host."""
+
+    kind: Literal["none"]
+
+
 class Adc(ReadBy, frozen=True, kw_only=True):
     """[adc]."""
 
     rate_hz: Positive
+
+
+UNUSED = Adc(part="MCP3208", volts=5.0, rate_hz=1.0)  # of a build without a sensor
 
 
 class ArrayAdc(Scanning, frozen=True, kw_only=True):
@@ -179,11 +188,21 @@ class ChannelsFile(File, frozen=True, kw_only=True):
     slip: SlipVolts
 
 
-def _with_features(kind: str, base: type) -> Any:
-    """The file of that kind, with the tables of the features that its builds may have."""
-    own = [(name, f.Keys | None, None) for name, f in FEATURES.items() if kind in getattr(f, "KINDS", ("channels",))]
-    return msgspec.defstruct(base.__name__, own, bases=(base,), kw_only=True, frozen=True)
+class NothingFile(File, frozen=True, kw_only=True):
+    """A build without a sensor."""
+
+    sensor: Nothing
 
 
-_KINDS = {"channels": ChannelsFile, "array": ArrayFile, "electrodes": ElectrodesFile}
-FILES: dict[str, Any] = {kind: _with_features(kind, base) for kind, base in _KINDS.items()}
+def _with(file: Any, *names: str) -> Any:
+    """``file`` with the tables of these features."""
+    tables: list[Any] = [(name, FEATURES[name].Keys | None, None) for name in names]
+    return msgspec.defstruct(f"Own{file.__name__}", tables, bases=(file,), kw_only=True, frozen=True)
+
+
+FILES: dict[str, Any] = {
+    "channels": _with(ChannelsFile, *FEATURES),
+    "array": _with(ArrayFile, "display", "forest", "grip"),
+    "electrodes": _with(ElectrodesFile, "display", "forest"),
+    "none": _with(NothingFile, "forest"),
+}

@@ -101,6 +101,10 @@ class Port:
         return self.port.endswith("_i")
 
     @property
+    def direction(self) -> str:
+        return "in" if self.is_input else "inout" if self.port.endswith("_io") else "out"
+
+    @property
     def bits(self) -> list[tuple[str, str]]:
         """(name of the bit for place and route, its pin)."""
         if len(self.pins) == 1:
@@ -134,7 +138,7 @@ class Plan:
                 "port": name,
                 "pin": pin,
                 "at": port.at[k],
-                "direction": "in" if port.is_input else "out",
+                "direction": port.direction,
                 "pull": port.pull,
                 "what": port.what[k],
             }
@@ -216,13 +220,23 @@ def _display(parameters: dict[str, int]) -> list[Need]:
         return []
     chains = parameters["PinChains"]
     data = tuple(f"DIOA of the first driver of chain {k}" for k in range(chains))
-    rest = {"clk": "CLK", "le": "LE", "bl": "BL, with a pull-down", "pol": "POL, with a pull-up", "dir": "DIR"}
-    lines = [Need(f"hv_{name}", f"hv_{name}_o", 1, (f"{what}, of all drivers",)) for name, what in rest.items()]
+    rest = {
+        "clk": "CLK",
+        "le": "LE",
+        "bl": "BL, with a pull-down",
+        "pol": "POL, with a pull-up",
+        "dir": "DIR",
+    }
+    lines = [
+        Need(f"hv_{name}", f"hv_{name}_o", 1, (f"{what}, of all drivers",)) for name, what in rest.items()
+    ]
     return [Need("hv_data", "hv_data_o", chains, data), *lines]
 
 
 def _lines(parameters: dict[str, int]) -> list[Need]:
     """The lines of the sensor."""
+    if not parameters["Adc"]:
+        return []
     part = PARTS[parameters["Adc"]]
     converters, lanes = parameters.get("Converters", 1), parameters.get("AdcLanes", 1)
     every = "the converter" if converters == 1 else f"all {converters} converters"
@@ -267,7 +281,7 @@ SHOWN = (
 
 def _onboard(board: Description, parameters: dict[str, int]) -> bool:
     """Whether the configuration reads the board's own converter."""
-    part = PARTS[parameters["Adc"]].name.upper()
+    part = PARTS[parameters["Adc"]].name.upper() if parameters["Adc"] else ""
     return part in board.onboard.get("parts", ()) and parameters.get("Converters", 1) == 1
 
 
@@ -276,8 +290,8 @@ def _own(role: str, port: str, pin: str, what: str, **more: Any) -> Port:
     return Port(role, port, (pin,), ("on the board",), (what,), **more)
 
 
-def _fixed(board: Description, used: bool) -> list[Port]:
-    """Ports of every configuration; ``used``: the board's own converter is in use."""
+def _fixed(board: Description, used: bool, sdram: bool) -> list[Port]:
+    """Ports of every configuration; ``used``: the board's own converter is in use; ``sdram``: its SDRAM."""
     clock, serial = board.clock, board.serial
     ports = [
         _own("clock", clock["port"], clock["pin"], f"{clock['mhz']:g} MHz", pull=clock.get("pull")),
@@ -285,6 +299,10 @@ def _fixed(board: Description, used: bool) -> list[Port]:
         _own("tx", "tx_o", serial["tx"], "serial line out"),
     ]
     ports += [_own("led", name, led["pin"], f"LED: {led['shows']}") for name, led in board.leds.items()]
+    for line, pins in board.sdram.items() if sdram else ():
+        every = (pins,) if isinstance(pins, str) else tuple(pins)
+        told = ("on the board",) * len(every), (f"{line} of the SDRAM",) * len(every)
+        ports.append(Port(f"sdram_{line}", f"sdram_{line}_{'io' if line == 'dq' else 'o'}", every, *told))
     for role, level in ({} if used else board.onboard.get("idle", {})).items():
         what = f"{role} of the board's own converter, which rests"
         ports.append(_own(role, f"onboard_{role}_o", board.onboard[role], what, idle=level))
@@ -315,7 +333,10 @@ def assign(board: Description, config: str, parameters: dict[str, int], slip_pin
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
         raise ValueError(f"the {board.name} can clock the core at {made} MHz but {config} needs {mhz:g} MHz")
     own = _onboard(board, parameters)
-    ports, wanted = _fixed(board, own), needs(board, parameters, slip_pins)
+    sdram = bool(parameters.get("ForestSdram"))
+    if sdram and not board.sdram:
+        raise ValueError(f"{config} has a forest in an SDRAM but the {board.name} has none that is described")
+    ports, wanted = _fixed(board, own, sdram), needs(board, parameters, slip_pins)
     got: dict[Need, list[str]] = {}
     used: set[str] = set()
     for need in list(wanted):

@@ -11,6 +11,12 @@ from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.frontend.scan_demod import ScanDemod
 
 
+def check_share(share: float | None) -> None:
+    """ValueError unless ``share`` of an old row may remain; None: half a code."""
+    if share is not None and not 0 < share <= 1:
+        raise ValueError(f"settle_share = {share:g} must be above 0 and at most 1")
+
+
 @dataclass(frozen=True)
 class Settling:
     """``scan``: whose converters settle; ``volts``: their full scale, None: any; ``share``: of the old row,
@@ -22,8 +28,7 @@ class Settling:
     source_ohm: float = front.SOURCE_OHM
 
     def __post_init__(self) -> None:
-        if self.share is not None and not 0 < self.share <= 1:
-            raise ValueError(f"settle_share = {self.share:g} must be above 0 and at most 1")
+        check_share(self.share)
         if not 0 <= self.source_ohm <= 1e6:
             raise ValueError(f"source_ohm = {self.source_ohm:g} must lie in 0 .. 1e+06")
 

@@ -16,6 +16,7 @@ from meissner.engines.protocol import Engine
 from meissner.inputs import check_codes, check_electrodes, check_forces, check_min_load, check_samples
 from meissner.names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
 from meissner.twins.slip.config import SAMPLE_BITS, SlipConfig
+from meissner.twins.slip.slip import State
 
 if TYPE_CHECKING:
     from meissner.calibration import Calibration
@@ -85,13 +86,16 @@ def moving_of_details(moving: ArrayLike | None, level: int, count: int) -> Bools
     return None if moving is None else np.asarray(moving)[group - 1 :: group][:count]
 
 
-def process_slip(x: ArrayLike, config: SlipConfig, engine: str) -> Arrays:
-    """The arrays of ``meissner process slip``: p2p, window_end, slip, fired_at.
+def process_slip(x: ArrayLike, config: SlipConfig, engine: str, states: bool = False) -> Arrays:
+    """The arrays of ``meissner process slip``: p2p, window_end, slip, fired_at; state and raised_at, too.
 
     Parameters
     ----------
     x : integers [samples] or [channels, samples]
         Codes of 17 bits.
+    states : bool
+        Also the state that contact, hold, keep and gross rules give at each window's end, and the first
+        sample since the window before at which they raised a slip, or -1.
 
     Returns
     -------
@@ -113,7 +117,21 @@ def process_slip(x: ArrayLike, config: SlipConfig, engine: str) -> Arrays:
         fired_at = np.where(slip, (window_end - config.window)[None] + (first + 1 << config.level), -1)
     else:
         fired_at = np.where(slip, window_end[None], -1)
-    return {"p2p": p2p, "window_end": window_end, "slip": slip, "fired_at": fired_at}
+    result = {"p2p": p2p, "window_end": window_end, "slip": slip, "fired_at": fired_at}
+    return result | (_states(module.watch(x, config), config.level) if states else {})
+
+
+def _states(found: Watched, level: int) -> Arrays:
+    """``state`` and ``raised_at`` [channels, windows] of ``process_slip``."""
+    ends = np.flatnonzero(found.end)
+    slipping = (found.state == State.INCIPIENT) | (found.state == State.GROSS)
+    raised = slipping.copy()
+    raised[:, 1:] &= ~slipping[:, :-1]
+    channel, detail = np.nonzero(raised[:, : ends[-1] + 1])
+    raised_at = np.full((len(raised), len(ends)), -1)
+    # From the last to the first, which stays.
+    raised_at[channel[::-1], np.searchsorted(ends, detail)[::-1]] = (detail[::-1] + 1 << level) - 1
+    return {"state": found.state[:, ends], "raised_at": raised_at}
 
 
 def demodulate(samples: ArrayLike, carrier: Carrier, engine: str) -> Ints:

@@ -42,6 +42,31 @@ struct Size {
   int32_t part, converters, adc_lanes, rows, columns, channels;  // channels of each converter
 };
 
+#if !__has_include("Vmsn_board.h")
+// An SDRAM at sdram_o, without its times: rows open, bursts of four are read four clocks later, or written.
+struct Sdram {
+  std::vector<uint16_t> cells;
+  uint32_t row[4] = {}, place = 0;
+  int left = 0;  // of a burst that is written
+  uint16_t beats[8] = {};
+  uint32_t now = 0;
+
+  // The data that the core takes next, for the lines of msn_pkg::sdram_t.
+  uint16_t step(uint64_t lines) {
+    if (!(lines >> 37 & 1)) {
+      const uint32_t command = lines >> 34 & 7, bank = lines >> 32 & 3, a = lines >> 19 & 0x1FFF;
+      const uint32_t at = bank << 22 | row[bank] << 9 | (a & 511);
+      if (cells.empty()) cells.resize(1 << 24);
+      if (command == 3) row[bank] = a;
+      if (command == 4) place = at, left = 4;
+      for (int k = 0; command == 5 && k < 4; ++k) beats[(now + 3 + k) & 7] = cells[at + k];
+    }
+    if (left > 0) cells[place++] = lines >> 1, --left;
+    return beats[now++ & 7];
+  }
+};
+#endif
+
 struct Sensor {
   meissner::Driver<Top> core;
   const Size size;
@@ -86,6 +111,7 @@ struct Sensor {
   }
   bool dark() const { return size.rows > 8 && bit_of(core.top.row_o, number_bits()); }
   bool converts() const { return true; }  // the board's converters see the inputs at any time
+  void remember() {}
   int line(int) const { return 0; }
 #else
   void start() {
@@ -95,6 +121,8 @@ struct Sensor {
   }
   int row() const { return one_of(core.top.row_o, size.rows); }
   bool dark() const { return false; }
+  Sdram sdram;
+  void remember() { core.top.sdram_dq_i = sdram.step(core.top.sdram_o); }
   bool converts() const { return core.top.rootp->msn_core__DOT__convert; }
   int line(int lane) const { return lane; }
 #endif
@@ -132,6 +160,7 @@ struct Sensor {
     core.top.adc_miso_i = miso;
     core.top.adc_busy_i = busy;
     core.top.rx_i = to_core.step();
+    remember();
   }
 };
 

@@ -13,11 +13,11 @@ struct ForestLoad {
 
 // Loads `loads`, swaps, and sends `count` rows of `features` values of `bits` bits. votes [count][classes]; index and
 // error [count]; `steps`: nodes compared from the first beat of a row on. `timeout`: clocks that a decision may take.
-// The clocks from the last `trace_rows` rows on go to `trace_path`, if given and if the core was built for it. Returns
+// `alone` [count], if given: a row is sent when the one before has its result, and this is the clocks of each. The clocks from the last `trace_rows` rows on go to `trace_path`, if given and if the core was built for it. Returns
 // the clocks from the first beat on, or -1 unless there was exactly one result per row.
 int64_t forest_run(const ForestLoad *loads, int64_t load_count, const int32_t *rows, int64_t count, int64_t features,
                    int64_t classes, uint32_t bits, int64_t timeout, uint32_t *votes, int32_t *index, uint8_t *error,
-                   int64_t *steps, const char *trace_path, int64_t trace_rows, int64_t clk_khz) {
+                   int64_t *steps, int64_t *alone, const char *trace_path, int64_t trace_rows, int64_t clk_khz) {
   meissner::Driver<Vmsn_forest> driver;
   auto &top = driver.top;
   top.swap_i = 0;
@@ -50,13 +50,21 @@ int64_t forest_run(const ForestLoad *loads, int64_t load_count, const int32_t *r
     void look() { compared += __builtin_popcountll(top.step_o); }
   } nodes{top, compared};
   const int64_t begun = driver.clocks;
+  int64_t row = 0;
   const auto put = [&](int64_t k) {
-    top.in_data_i = meissner::low_bits(rows[k], static_cast<int>(bits));
+    top.in_data_i = meissner::low_bits(rows[row * features + k], static_cast<int>(bits));
     top.in_last_i = k % features == features - 1;
   };
-  const meissner::Trace trace{trace_path, trace_rows * features, clk_khz};
-  if (!driver.send(count * features, static_cast<int>(timeout), trace, put, results, nodes)) return meissner::kFailed;
-  for (int64_t left = timeout; left > 0 && !results.complete(); left--) driver.clock(results, nodes);
+  const int64_t together = alone ? 1 : count;
+  for (; row < count; row += together) {
+    const int64_t sent = driver.clocks, last = count - row;
+    const bool traced = !alone || last == trace_rows;
+    const meissner::Trace trace{traced ? trace_path : nullptr, std::min(together, trace_rows) * features, clk_khz};
+    if (!driver.send(together * features, static_cast<int>(timeout), trace, put, results, nodes)) return meissner::kFailed;
+    const int64_t due = (row + together) * classes;
+    for (int64_t left = timeout; left > 0 && results.ok && results.count < due; left--) driver.clock(results, nodes);
+    if (alone) alone[row] = driver.clocks - sent;
+  }
   *steps = compared;
   return results.complete() ? driver.clocks - begun : meissner::kFailed;
 }

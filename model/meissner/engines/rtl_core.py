@@ -58,7 +58,7 @@ class CoreOnPins:
         self.config = config
         self.units = config.units
         self.registers = bool(config.link.registers)  # whether a host can access registers
-        codes = np.ascontiguousarray(codes, dtype=np.int32)
+        self.codes = codes = np.ascontiguousarray(codes, dtype=np.int32)
         array = config.kind == "array"
         shape = config.shape if array else (config.channels,)
         if codes.shape[1:] != shape or not len(codes):

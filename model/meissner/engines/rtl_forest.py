@@ -20,7 +20,8 @@ LOAD = np.dtype([("kind", "u4"), ("engine", "u4"), ("address", "u4"), ("data", "
 @dataclass(frozen=True)
 class Run:
     """``votes`` [rows, classes] and ``index`` of each row; ``steps``: nodes compared in ``clocks`` by
-    ``engines``, which took ``seconds`` to simulate."""
+    ``engines``, which took ``seconds`` to simulate. ``alone``: clocks of each row, if each waited for the
+    result of the one before."""
 
     index: NDArray[np.int64]
     votes: NDArray[np.int64]
@@ -28,6 +29,7 @@ class Run:
     clocks: int
     engines: int
     seconds: float
+    alone: NDArray[np.int64] | None = None
 
     @property
     def share(self) -> float:
@@ -68,14 +70,17 @@ def _open(trace: bool, *values: tuple[str, int]) -> ctypes.CDLL:
     lib.forest_run.restype = ctypes.c_int64
     pointer, number = ctypes.c_void_p, ctypes.c_int64
     lib.forest_run.argtypes = [pointer, number, pointer, number, number, number, ctypes.c_uint32, number]
-    lib.forest_run.argtypes += [*[pointer] * 4, ctypes.c_char_p, number, number]
+    lib.forest_run.argtypes += [*[pointer] * 5, ctypes.c_char_p, number, number]
     return lib
 
 
-def forest(q: NDArray[np.int64], model: Model, engines: int = 1, waves: Waves = None) -> Run:
+def forest(
+    q: NDArray[np.int64], model: Model, engines: int = 1, waves: Waves = None, alone: bool = False
+) -> Run:
     """Decisions about ``q`` [rows, features], what the nodes of ``model`` compare; it has no missing_left.
 
-    ``waves``: path of a VCD file for the last TRACE_ROWS rows.
+    ``waves``: path of a VCD file for the last TRACE_ROWS rows. ``alone``: a row is sent when the one before
+    has its result.
     """
     table = np.array(words.loads(model, engines), LOAD)
     nodes = int(table["address"][table["kind"] == words.NODE].max()) + 1
@@ -83,15 +88,17 @@ def forest(q: NDArray[np.int64], model: Model, engines: int = 1, waves: Waves = 
     limit, (count, features), classes = words.THRESHOLD_LIMIT, q.shape, len(model.classes)
     rows = np.ascontiguousarray(q.clip(-limit, limit - 1), np.int32)
     votes, index = np.zeros((count, classes), np.uint32), np.zeros(count, np.int32)
-    error, steps = np.zeros(count, np.uint8), np.zeros(1, np.int64)
+    error, steps, each = np.zeros(count, np.uint8), np.zeros(1, np.int64), np.zeros(count, np.int64)
     timeout = 64 * (nodes + (len(model.trees) + 64) * (classes + 8)) + 64 * features
     begun = perf_counter()
     clocks = lib.forest_run(
         *(table.ctypes.data, len(table), rows.ctypes.data, count, features, classes, words.THRESHOLD_BITS),
         *(timeout, *(array.ctypes.data for array in (votes, index, error, steps))),
+        each.ctypes.data if alone else None,
         *(None if waves is None else str(waves).encode(), min(TRACE_ROWS, count), TRACE_CLK_KHZ),
     )
     seconds = perf_counter() - begun
     if clocks < 0 or error.any():
         raise RuntimeError("the core did not give one result per row")
-    return Run(index.astype(np.int64), votes.astype(np.int64), int(steps[0]), int(clocks), engines, seconds)
+    found = index.astype(np.int64), votes.astype(np.int64), int(steps[0]), int(clocks), engines, seconds
+    return Run(*found, each if alone else None)

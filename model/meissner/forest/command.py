@@ -9,7 +9,7 @@ def export(arguments):
     """``meissner export-forest``."""
     given = arguments.integer
     integer = given == "all" or [name for name in (given or "").split(",") if name]
-    model = load(arguments.model, integer, arguments.trust)
+    model = load(arguments.model, integer, arguments.trust).model
     file.write(arguments.out, model)
     parts = f"{len(model.trees)} trees, {model.nodes} nodes, {len(model.classes)} classes"
     print(f"{plain(model.source)}: {parts}, {len(model.features)} features")

@@ -8,7 +8,6 @@ meissner.forest.quantise makes q of the features.
 """
 
 from os import PathLike
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,21 @@ from meissner.forest.file import INTEGER_LIMIT, ONE, Model
 from meissner.forest.quantise import to_ranks
 from meissner.twins.shared import one_of, within
 
-PAIRS = 1 << 20  # of a row and a tree, followed at the same time
+PAIRS = 1 << 19  # of a row and a tree, followed at the same time
+
+
+class Joined(NamedTuple):
+    """The nodes of all trees, one after another; the arrays cannot be written.
+
+    ``children`` [nodes, 2]: right, left; below 0 the leaf -1 - child. ``missing_left``: None if the model has
+    no rule for missing values. ``roots`` [trees]: node or leaf.
+    """
+
+    feature: NDArray[np.int64]
+    threshold: NDArray[np.int64]
+    children: NDArray[np.int64]
+    missing_left: NDArray[np.bool_] | None
+    roots: NDArray[np.int64]
 
 
 class ForestResult(NamedTuple):
@@ -55,6 +68,8 @@ class Forest:
     classes_ : [classes]
         The labels, as in scikit-learn.
     n_features_in_ : int
+    joined : Joined
+        The nodes of all trees, for those that follow them.
     run : meissner.engines.rtl_forest.Run
         The last run of the latter two engines; printed, it says how fast it was.
 
@@ -79,14 +94,17 @@ class Forest:
         base = np.cumsum([0, *sizes[:-1]])
         joined = lambda name: np.concatenate([getattr(tree, name) for tree in model.trees])
         at = np.repeat(base, sizes)
-        self._feature, self._threshold = joined("feature"), joined("threshold")
         children = np.stack([joined("right"), joined("left")], 1)
-        self._children = np.where(children < 0, children, children + at[:, None])
         missing = model.trees[0].missing_left is not None
-        self._missing_left = joined("missing_left") if missing else None
-        self._roots = np.array(
-            [tree.root + start * (tree.root == 0) for tree, start in zip(model.trees, base)]
+        self.joined = Joined(
+            joined("feature"),
+            joined("threshold"),
+            np.where(children < 0, children, children + at[:, None]),
+            joined("missing_left") if missing else None,
+            np.array([tree.root + start * (tree.root == 0) for tree, start in zip(model.trees, base)]),
         )
+        for array in filter(lambda part: part is not None, self.joined):
+            array.setflags(write=False)
 
     @classmethod
     def from_file(
@@ -96,11 +114,9 @@ class Forest:
 
         ``engine``, ``engines``: as above.
         """
-        if Path(path).suffix.lower() == ".json":
-            return cls(file.read(path), **engine)
-        from meissner.forest.models import load
+        from meissner.forest.models import either
 
-        return cls(load(path, integer, trust), **engine)
+        return cls(either(path, integer, trust).model, **engine)
 
     def to_file(self, path: str | PathLike[str]) -> None:
         """Write F.json."""
@@ -133,7 +149,7 @@ class Forest:
         with np.errstate(over="ignore"):
             single = x.astype(np.float32)
         self._refuse(np.isinf(single), names, "is infinite or too large for a float of 32 bits")
-        if self._missing_left is None:
+        if self.joined.missing_left is None:
             self._refuse(np.isnan(single), names, "is NaN, and this model has no rule for missing values")
         for index, feature in enumerate(self.model.features):
             if feature.thresholds is None:
@@ -156,20 +172,15 @@ class Forest:
     def next(self, x: ArrayLike) -> ForestResult:
         """Decisions about rows of features [rows, features], or [features] for one row, with the errors of
         ``quantise``; no state between rows."""
-        q, missing = self.quantise(x)
         if self.engine != "fixed":
-            whole, inputs = words.without_missing(self.model)
-            from meissner.engines.rtl_forest import forest
-            from meissner.engines.verilated import of_gates
-
-            decide = of_gates(forest) if self.engine == "gate" else forest
-            self.run = decide(inputs.of(q, missing), whole, self.engines)
+            self.run = self._simulated(x)
             return ForestResult(self.run.index, self.run.votes)
-        count, trees = max(PAIRS // len(self._roots), 1), self.model.leaves
+        q, missing = self.quantise(x)
+        count, trees = max(PAIRS // len(self.joined.roots), 1), self.model.leaves
         votes = np.empty((len(q), trees.shape[1]), np.int64)
         for start in range(0, len(q), count):
             rows = slice(start, start + count)
-            leaf = self._walk(q[rows], None if missing is None else missing[rows])[0]
+            leaf = self.walk(q[rows], None if missing is None else missing[rows])[0]
             for index in range(trees.shape[1]):
                 votes[rows, index] = trees[:, index].astype(np.int64)[leaf].sum(1)
         return ForestResult(votes.argmax(1), votes)
@@ -178,17 +189,31 @@ class Forest:
         """The same as ``next``."""
         return self.next(x)
 
+    def clocks(self, x: ArrayLike) -> NDArray[np.int64]:
+        """Clocks of each row if it is decided alone, from its first feature to its last vote: of the engines
+        rtl and gate, with the errors of ``quantise``."""
+        return self._simulated(x, alone=True).alone
+
+    def _simulated(self, x, alone=False):
+        q, missing = self.quantise(x)
+        from meissner.engines.rtl_forest import forest
+        from meissner.engines.verilated import of_gates
+
+        whole, inputs = words.without_missing(self.model)
+        decide = of_gates(forest) if self.engine == "gate" else forest
+        return decide(inputs.of(q, missing), whole, self.engines, alone=alone)
+
     def steps(self, x: ArrayLike) -> NDArray[np.int64]:
         """Nodes that are compared for each row in each tree [rows, trees], with the errors of
         ``quantise``."""
         q, missing = self.quantise(x)
-        return self._walk(q, missing)[1]
+        return self.walk(q, missing)[1]
 
-    def _walk(self, q, missing, paths=None):
-        """The leaf of each row in each tree [rows, trees], and the nodes compared; ``paths`` gets (row and
-        tree, node) of each step."""
-        trees = len(self._roots)
-        at = np.tile(self._roots, len(q))
+    def walk(self, q, missing, paths=None):
+        """Of what ``quantise`` returns, the leaf of each row in each tree [rows, trees], and the nodes
+        compared; ``paths`` gets (row and tree, node) of each step."""
+        nodes, trees = self.joined, len(self.joined.roots)
+        at = np.tile(nodes.roots, len(q))
         steps = np.zeros(len(at), np.int64)
         going = np.flatnonzero(at >= 0)
         while going.size:
@@ -196,17 +221,17 @@ class Forest:
             steps[going] += 1
             if paths is not None:
                 paths.append((going, node))
-            feature = self._feature[node]
-            left = q[row, feature] <= self._threshold[node]
+            feature = nodes.feature[node]
+            left = q[row, feature] <= nodes.threshold[node]
             if missing is not None:
-                left = np.where(missing[row, feature], self._missing_left[node], left)
-            at[going] = after = self._children[node, left.astype(np.int64)]
+                left = np.where(missing[row, feature], nodes.missing_left[node], left)
+            at[going] = after = nodes.children[node, left.astype(np.int64)]
             going = going[after >= 0]
         return (-1 - at).reshape(len(q), trees), steps.reshape(len(q), trees)
 
     def predict_proba(self, x: ArrayLike) -> NDArray[np.float64]:
         """Probabilities [rows, classes], within 7.7e-6 of scikit-learn's."""
-        return self.next(x).votes / (ONE * len(self._roots))
+        return self.next(x).votes / (ONE * len(self.model.trees))
 
     def predict(self, x: ArrayLike) -> NDArray[Any]:
         """The label of each row, as in scikit-learn."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from meissner.forest.quantise import SUM_ERROR, Raw, check, quantise
-from meissner.forest.sklearn import EXTRA, refusal
+from meissner.forest.sklearn import EXTRA
 
 _BESIDE = ("Identity", "Cast", "ZipMap")  # pass the features, or the results
 _BOOSTED = "boosted trees add margins, which is another vote than a forest's"
@@ -21,16 +21,31 @@ _KNOWN = {
 }
 
 
-def of_file(path, integer=(), trust=False):
-    """The Model of an ONNX file; ``trust`` changes nothing."""
+def read(path, trust=False):
+    """The onnx.ModelProto in a file; ``trust`` changes nothing."""
     try:
         import onnx
     except ImportError:
-        raise ValueError(f"{path} needs onnx: {EXTRA}") from None
+        raise ValueError(f"it needs onnx: {EXTRA}") from None
+    return onnx.load_model_from_string(path.read_bytes())
+
+
+def own(given, model):
+    """(name, function) of onnxruntime itself: rows to (index of the class, probabilities)."""
     try:
-        return of_model(onnx.load_model_from_string(path.read_bytes()), integer)
-    except Exception as problem:
-        raise refusal(path, problem) from None
+        import onnxruntime
+    except ImportError:
+        raise ValueError(f"the engine float of an ONNX model needs onnxruntime: {EXTRA}") from None
+    session = onnxruntime.InferenceSession(given.SerializeToString(), providers=["CPUExecutionProvider"])
+    name, place = session.get_inputs()[0].name, {label: at for at, label in enumerate(model.classes)}
+
+    def decide(x):
+        labels, share = session.run(None, {name: np.asarray(x, np.float32)})
+        if isinstance(share, list):  # ZipMap's: a dictionary for each row
+            share = np.array([[row[label] for label in model.classes] for row in share])
+        return np.array([place[label] for label in labels.tolist()]), share.astype(np.float64)
+
+    return f"onnxruntime {onnxruntime.__version__}", decide
 
 
 def _ensemble(graph):

@@ -10,9 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from meissner.forest.file import ONE, Tree
-from meissner.forest.forest import Forest
-
-BATCH = 1 << 19  # of a row and a tree, followed at the same time
+from meissner.forest.forest import PAIRS, Forest
 
 
 class Reducer:
@@ -24,11 +22,11 @@ class Reducer:
 
     def __init__(self, forest: Forest, x):
         self.forest, self.model = forest, forest.model
-        self.children = forest._children
+        self.children = forest.joined.children
         sizes = np.array([len(tree.feature) for tree in self.model.trees])
         self.base = np.cumsum([0, *sizes])
         self.tree = np.repeat(np.arange(len(sizes)), sizes)
-        self.levels, at = [], forest._roots[forest._roots >= 0]
+        self.levels, at = [], forest.joined.roots[forest.joined.roots >= 0]
         while at.size:
             self.levels.append(at)
             at = self.children[at].ravel()
@@ -43,12 +41,12 @@ class Reducer:
         hits, squares, sums = np.zeros(nodes), np.zeros(nodes), np.zeros((nodes, votes.shape[1]))
         trees = len(self.model.trees)
         q, missing = self.forest.quantise(x)
-        step = max(BATCH // trees, 1)
+        step = max(PAIRS // trees, 1)
         for start in range(0, len(q), step):
             rows = slice(start, start + step)
             paths = []
             lost = None if missing is None else missing[rows]
-            leaf, _ = self.forest._walk(q[rows], lost, paths)
+            leaf, _ = self.forest.walk(q[rows], lost, paths)
             got = votes[leaf.ravel()]
             square = (got**2).sum(1)
             for going, node in paths:
@@ -124,7 +122,7 @@ class Reducer:
         number = np.cumsum(kept) - 1
         inner = (below >= 0) & kept[below.clip(0)]
         used = np.zeros(len(table), bool)
-        roots = self.forest._roots[:trees]
+        roots = self.forest.joined.roots[:trees]
         alone = np.where(roots < 0, leaf_row[-1 - np.minimum(roots, -1)], cut_row[roots.clip(0)])
         single = (roots < 0) | ~kept[roots.clip(0)]
         used[alone[single]] = True
@@ -147,12 +145,12 @@ class Reducer:
     def distinct(self):
         """How many of the subtrees are different from each other, by what they decide."""
         seen, number = {}, np.zeros(len(self.tree), np.int64)
-        first = self.forest._missing_left
+        nodes = self.forest.joined
         for level in reversed(self.levels):
             below = self.children[level]
             key = np.where(below < 0, below, number[below.clip(0)] + 1)
-            parts = [self.forest._feature[level], self.forest._threshold[level], key[:, 0], key[:, 1]]
-            parts += [] if first is None else [first[level]]
+            parts = [nodes.feature[level], nodes.threshold[level], key[:, 0], key[:, 1]]
+            parts += [] if nodes.missing_left is None else [nodes.missing_left[level]]
             for node, each in zip(level.tolist(), np.stack(parts, 1).tolist()):
                 number[node] = seen.setdefault(tuple(each), len(seen))
         return len(seen)

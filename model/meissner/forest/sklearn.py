@@ -1,5 +1,7 @@
 """Forests of scikit-learn: an object in memory, or a joblib file, whose loading runs code."""
 
+import warnings
+
 import numpy as np
 
 from meissner.forest.quantise import Raw, check, quantise
@@ -10,19 +12,27 @@ EXTRA = "pip install 'meissner[forest]'"
 RUNS_CODE = "a joblib or pickle file runs code when it is loaded: give --trust if you know who made it"
 
 
-def of_file(path, integer=(), trust=False):
-    """The Model of a joblib or pickle file."""
+def read(path, trust=False):
+    """The object in a joblib or pickle file."""
     if not trust:
-        raise ValueError(f"{path} was not loaded: {RUNS_CODE}")
+        raise ValueError(f"it was not loaded: {RUNS_CODE}")
     try:
         import joblib
         import sklearn  # noqa: F401
     except ImportError:
-        raise ValueError(f"{path} needs scikit-learn: {EXTRA}") from None
-    try:
-        return of_model(joblib.load(path), integer)
-    except Exception as problem:
-        raise refusal(path, problem) from None
+        raise ValueError(f"it needs scikit-learn: {EXTRA}") from None
+    return joblib.load(path)
+
+
+def own(given, model):
+    """(name, function) of scikit-learn itself: rows to (index of the class, probabilities)."""
+
+    def decide(x):
+        with warnings.catch_warnings(action="ignore"):  # the rows have no names of features
+            share = given.predict_proba(x)
+        return share.argmax(1), share
+
+    return model.source, decide
 
 
 def refusal(path, problem):

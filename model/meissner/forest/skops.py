@@ -9,32 +9,28 @@ import zipfile
 import numpy as np
 
 from meissner.forest.quantise import Raw, check
-from meissner.forest.sklearn import EXTRA, of_model, refusal
+from meissner.forest.sklearn import EXTRA, of_model, own  # noqa: F401 - as of the other kinds of files
 
 TREE = "sklearn.tree._tree.Tree"
 _STATE = {"max_depth", "node_count", "nodes", "values"}
 
 
-def of_file(path, integer=(), trust=False):
-    """The Model of a skops file; ``trust`` changes nothing."""
+def read(path, trust=False):
+    """The object in a skops file; ``trust`` changes nothing."""
     try:
         import skops.io
         from skops.io.exceptions import UntrustedTypesFoundException
     except ImportError:
-        raise ValueError(f"{path} needs skops: {EXTRA}") from None
+        raise ValueError(f"it needs skops: {EXTRA}") from None
+    data = path.read_bytes()
     try:
-        data = path.read_bytes()
-        try:
-            _check_trees(data)
-            model = skops.io.loads(data, trusted=[TREE])
-        except UntrustedTypesFoundException:
-            types = ", ".join(name for name in skops.io.get_untrusted_types(data=data) if name != TREE)
-            raise ValueError(f"it holds {types}, and no forest needs that") from None
-        except zipfile.BadZipFile:
-            raise ValueError("it is no whole skops file") from None
-        return of_model(model, integer)
-    except Exception as problem:
-        raise refusal(path, problem) from None
+        _check_trees(data)
+        return skops.io.loads(data, trusted=[TREE])
+    except UntrustedTypesFoundException:
+        types = ", ".join(name for name in skops.io.get_untrusted_types(data=data) if name != TREE)
+        raise ValueError(f"it holds {types}, and no forest needs that") from None
+    except zipfile.BadZipFile:
+        raise ValueError("it is no whole skops file") from None
 
 
 def _nodes(schema):

@@ -11,9 +11,20 @@ from typing import Any
 from meissner.builds.units import Units
 from meissner.host.core import Core, NoAnswer, Refused
 from meissner.host.line import open_line
-from meissner.host.packets import CopFrame, Gap, Health, Image, SlipEvent, StateChange, States, Statistics
+from meissner.host.packets import (
+    ClassChange,
+    CopFrame,
+    Gap,
+    Health,
+    Image,
+    SlipEvent,
+    StateChange,
+    States,
+    Statistics,
+)
 
 __all__ = [
+    "ClassChange",
     "CopFrame",
     "Core",
     "Gap",

@@ -8,12 +8,15 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
 
 from meissner import calibration, engines, files
 from meissner.terminal import plain
 
 if TYPE_CHECKING:
+    from meissner.arrays import Arrays
+    from meissner.forest.file import Model
     from meissner.host import Core
     from meissner.host.packets import Item
     from meissner.host.view import View
@@ -39,11 +42,17 @@ def _connect(
         raise ValueError(f"seconds = {seconds:g} must be a number above 0")
     if clk_khz is not None and not 1000 <= clk_khz <= 200_000:
         raise ValueError(f"clk-khz = {clk_khz} must lie in 1000 .. 200000, the kilohertz of a core's clock")
-    known = baud = lines = None
+    known = baud = lines = model = None
     if arguments.calibration is not None:
         lines = calibration.load(arguments.calibration)
+    if arguments.forest is not None:
+        from meissner.forest import file
+
+        model = file.read(arguments.forest)
+    if lines is not None or model is not None:
         if registers is False:
-            raise ValueError("--calibration is written over the registers: omit --listen")
+            what = "calibration" if model is None else "forest"
+            raise ValueError(f"--{what} is written over the registers: omit --listen")
         registers = True
     if arguments.config is not None:
         build = config.load(arguments.config)
@@ -63,21 +72,33 @@ def _connect(
         told, own = getattr(known, name), getattr(core.units, name)
         if told != own:
             say(f"{arguments.config} does not match the core: its {name} is {told}, the core's is {own}")
-    if lines is not None:
-        _calibrate(core, lines, arguments.calibration, say)
+    try:
+        if lines is not None:
+            _calibrate(core, lines, arguments.calibration, say)
+        if model is not None:
+            _plant(core, model, arguments.forest, say)
+    except BaseException:
+        core.close()
+        raise
     return core
 
 
 def _calibrate(core: "Core", lines: calibration.Calibration, path: str, say: Callable[[str], object]) -> None:
     from meissner.host.load import check, load
 
-    try:
-        check(core, lines)
-        say(f"writing the calibration of {lines.dead.size} cells in {path} into the core, reading each back")
-        load(core, lines)
-    except BaseException:
-        core.close()
-        raise
+    check(core, lines)
+    say(f"writing the calibration of {lines.dead.size} cells in {path} into the core, reading each back")
+    load(core, lines)
+
+
+def _plant(core: "Core", model: "Model", path: str, say: Callable[[str], object]) -> None:
+    from meissner.forest import words
+    from meissner.host.forest import check, load
+
+    check(core, words.without_missing(model)[0])
+    say(f"writing the forest of {len(model.trees)} trees, {model.nodes} nodes, in {path} into the core")
+    load(core, model)
+    say("the core decides by this forest")
 
 
 def _amount(text: str) -> tuple[str, float] | None:
@@ -134,7 +155,19 @@ def regs(arguments: Namespace) -> None:
             print(f"{name:<{width}}  {value:<10} 0x{value & (field.most if field else 0xFFFFFFFF):x}")
 
 
+def web_port(arguments: Namespace) -> int | None:
+    """The port of the page that was asked for, None if none was."""
+    from meissner.host import web
+
+    if arguments.web_port is None:
+        return web.PORT if arguments.web else None
+    return int(arguments.web_port)
+
+
 def live(arguments: Namespace) -> None:
+    if arguments.web or arguments.web_port is not None:
+        _live_web(arguments)
+        return
     from meissner.host.view import View
 
     messages: list[str] = []
@@ -146,6 +179,47 @@ def live(arguments: Namespace) -> None:
             _live_picture(core, view, arguments.seconds, messages)
         else:
             _live_lines(core, view, arguments.seconds, messages)
+
+
+def _live_web(arguments: Namespace) -> None:
+    from meissner.host import web
+
+    hear: list[Callable[[str], object]] = [_tell]
+
+    def say(sentence: str) -> None:
+        for each in hear:
+            each(sentence)
+
+    with _connect(arguments, False if arguments.listen else None, say) as core:
+        source = web.OfCore(core, arguments.port)
+        hear.append(source.say)
+        with _stopping(source):
+            web.serve(source, web_port(arguments), arguments.seconds, _print)
+
+
+@contextmanager
+def shown(scene: Any, arguments: Namespace) -> Iterator[Callable[[Path], None]]:
+    """A page that plays a scene while the block runs it; the function given links the report in a folder and
+    returns at Ctrl-C."""
+    from meissner.host import Core, simulated, web
+    from meissner.host.line import Pipe
+
+    pipe = simulated.of_scenes([scene], seed=arguments.seed)
+    with Core(Pipe(pipe, scene.name), pipe.units, say=_tell) as core:
+        source = web.OfCore(core, scene.name)
+        say = _tell if arguments.json else _print
+        with web.beside(source, web_port(arguments), say) as stay:
+
+            def done(out: Path) -> None:
+                say("the page stays, with a link to the report, until Ctrl-C")
+                with _stopping(source):
+                    stay((out / "report.html").read_bytes())
+
+            yield done
+
+
+def _print(sentence: str) -> None:
+    print(plain(sentence), flush=True)
 
 
 def _beats(core: "Core", seconds: float | None, every_s: float) -> Iterator[tuple["Item | None", bool]]:
@@ -204,8 +278,13 @@ def _live_picture(core: "Core", view: "View", seconds: float | None, messages: l
         shown.update(view.picture(), refresh=True)
 
 
+class Stoppable(Protocol):
+    def stop(self) -> None:
+        """End between two packets."""
+
+
 @contextmanager
-def _stopping(core: "Core") -> Iterator[None]:
+def _stopping(core: Stoppable) -> Iterator[None]:
     """Ctrl-C, SIGTERM or a closed terminal ends the stream between two packets, so that the file written
     is finished. A signal that the parent ignores, as nohup does, stays ignored."""
 
@@ -259,12 +338,27 @@ def log(arguments: Namespace) -> None:
 
 def replay(arguments: Namespace) -> None:
     from meissner.host import log
-    from meissner.host.replay import changes, differences, replay
 
     engines.load(arguments.engine)
+    port = web_port(arguments)
+    if port is None and arguments.out is None:
+        raise ValueError("replay writes to --out OUT.npz, or shows the log on a page (--web)")
     found = log.read(arguments.log)
     if arguments.min_load is not None and arguments.min_load < 0:
         raise ValueError(f"min-load = {arguments.min_load} must not be negative")
+    if arguments.out is not None:
+        _compare(arguments, found)
+    if port is not None:
+        from meissner.host import web
+
+        source = web.OfLog(found, arguments.log)
+        with _stopping(source):
+            web.serve(source, port, None, _print)
+
+
+def _compare(arguments: Namespace, found: "Arrays") -> None:
+    from meissner.host.replay import changes, differences, replay
+
     with files.results(arguments.out) as save:
         result = replay(found, arguments.engine, arguments.min_load)
         save(result)

@@ -87,11 +87,12 @@ def _put(core: Core, name: str, value: int) -> None:
         raise ValueError(f"{name} reads back {found} where {value} was written: the core is not calibrated")
 
 
-def _wait(core: Core, name: str, value: int, what: str) -> None:
+def wait(core: Core, name: str, value: int, what: str, other: bool = False) -> None:
+    """Until the register is ``value``, or ``other`` than that; ValueError says ``what`` did not happen."""
     end = time.monotonic() + SWAP_S
-    while core[name] != value:
+    while (core[name] == value) == other:
         if time.monotonic() > end:
-            raise ValueError(f"{what} within {SWAP_S:g} s: {name} is not {value}")
+            raise ValueError(f"{what} within {SWAP_S:g} s: {name} is {'still' if other else 'not'} {value}")
 
 
 def _write(core: Core, lines: Calibration) -> bool:
@@ -108,18 +109,18 @@ def _write(core: Core, lines: Calibration) -> bool:
     retries = core.counts.retries
     core["calibrate.swap"] = 1
     once = core.counts.retries == retries
-    _wait(core, "calibrate.swapping", 0, "the core did not take the calibration")
+    wait(core, "calibrate.swapping", 0, "the core did not take the calibration")
     return once
 
 
 def _write_zeros(core: Core, lines: Calibration) -> None:
     _put(core, "tare.load", 1)
     try:
-        _wait(core, "tare.state.loading", 1, "the core did not end its averaging of zeros")
+        wait(core, "tare.state.loading", 1, "the core did not end its averaging of zeros")
         for row, column, word, mask in _places(core):
             _put(core, "tare.word", word)
             _put(core, "tare.zero", int(lines.offset[row, column]))
             core["tare.write"] = mask
     finally:
         _put(core, "tare.load", 0)
-    _wait(core, "tare.state.loading", 0, "the core did not go on from its new zeros")
+    wait(core, "tare.state.loading", 0, "the core did not go on from its new zeros")

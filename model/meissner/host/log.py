@@ -29,6 +29,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict, fields
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,11 +74,21 @@ class McapLog:
 KINDS: dict[str, type[McapLog] | type[NpzLog]] = {".npz": NpzLog, ".mcap": McapLog}
 
 
+class Writer(Protocol):
+    """Takes packets with their time in ns of UTC, and facts."""
+
+    def add(self, stamp_ns: int, item: packets.Item | packets.Reset, /) -> None: ...
+
+    def tell(self, facts: Facts, /) -> None: ...
+
+    def flush(self, facts: Facts, /) -> None: ...
+
+
 class Log:
-    """``add`` packets of ``core`` to a ``writer``, one of the above. The core's clock turns its clocks into
+    """``add`` packets of ``core`` to a ``writer``, such as the above. The core's clock turns its clocks into
     UTC, from a new start after each reset of the core, which lies behind everything before it."""
 
-    def __init__(self, writer: McapLog | NpzLog, core: Core) -> None:
+    def __init__(self, writer: Writer, core: Core) -> None:
         if not core.units.clk_khz:
             raise ValueError(
                 "the core's clock is unknown, so its times cannot become UTC: give it in kHz (--clk-khz)"

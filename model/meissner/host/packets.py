@@ -79,6 +79,25 @@ class States(OfBoot):
 
 
 @dataclass(frozen=True)
+class ClassChange(OfBoot):
+    """The forest decides for another class.
+
+    Attributes
+    ----------
+    label, before : int
+        Index of the class; the one before, as the core last sent it, None for the first.
+    votes : int
+        For ``label``: 65535 for each tree that is certain of it.
+    """
+
+    time: int
+    time_s: float | None
+    label: int
+    before: int | None
+    votes: int
+
+
+@dataclass(frozen=True)
 class CopFrame(OfBoot):
     """The centre of pressure of a frame.
 
@@ -151,7 +170,8 @@ class Reset:
     min_load: int = -1
 
 
-Stamped = SlipEvent | StateChange | States | CopFrame | Image | Health | Statistics  # by the core
+# By the core.
+Stamped = SlipEvent | StateChange | States | ClassChange | CopFrame | Image | Health | Statistics
 Item = Stamped | Gap
 
 
@@ -193,6 +213,9 @@ class Assembler:
             return StateChange(*shared, _state(fields["told"]), fields["late"])
         if packet.kind == p.STATES:
             return States(*at, fields["first"], tuple(map(_state, fields["states"])))
+        if packet.kind == p.CLASS:
+            told = fields["told"]
+            return ClassChange(*at, fields["label"], None if told == p.NO_CLASS else told, fields["votes"])
         if packet.kind == p.COP:
             x, y, x_mm, y_mm = units.place(fields["x"], fields["y"])
             load = fields["load"]

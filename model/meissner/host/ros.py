@@ -15,6 +15,7 @@ from meissner.builds.units import FRACTION_BITS, Units
 from meissner.host import packets
 from meissner.host.table import START
 from meissner.host.unfinished_log import UnfinishedLog
+from meissner.twins.link.packet import NO_CLASS
 
 Found = dict[str, str] | tuple[str, int, Any]  # facts, or topic, ns and message
 
@@ -123,6 +124,10 @@ class McapWriter:
         elif isinstance(item, packets.States):
             values = {"first": item.first} | {f"state{k}": int(state) for k, state in enumerate(item.states)}
             self._numbers(stamp_ns, "/tactile/states", item.time, values)
+        elif isinstance(item, packets.ClassChange):
+            before = NO_CLASS if item.before is None else item.before
+            values = {"label": item.label, "before": before, "votes": item.votes}
+            self._numbers(stamp_ns, "/tactile/class", item.time, values)
         elif isinstance(item, packets.Health):
             values = {"taxel": item.taxel, "faults": item.faults}
             self._numbers(stamp_ns, "/tactile/health", item.time, values)
@@ -265,6 +270,9 @@ def _items(topic: str, message: Any) -> Iterator[packets.Item | packets.Reset]:
     elif kind == "states":
         ticks, first, *states = message.data
         yield packets.States(ticks, None, first, tuple(states))
+    elif kind == "class":
+        ticks, label, before, votes = message.data
+        yield packets.ClassChange(ticks, None, label, None if before == NO_CLASS else before, votes)
     elif kind == "health":
         ticks, taxel, faults = message.data
         yield packets.Health(ticks, None, taxel, faults)

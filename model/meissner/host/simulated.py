@@ -6,18 +6,19 @@ type None only advances the time. It may read the core's registers, which change
 
 import heapq
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from meissner import engines, scenes
 from meissner.arrays import Ints
 from meissner.builds import units
-from meissner.host import names
+from meissner.host import names, packets
 from meissner.inputs import check_forces
 from meissner.twins.link import bridge, cobs
 from meissner.twins.link import packet as p
@@ -30,6 +31,7 @@ from meissner.twins.slip.slip_path import details
 
 CLK_KHZ = 25_000
 STATISTIC_CLOCKS = 1 << 20
+TRACE_HZ, TRACED = 500, 16  # spans of a Trace in a second, its channels
 LATE_S = 0.1  # that a read may spend catching up before it slows the clock
 BLOCK = 64  # details between two looks at the registers
 SHOWN = "acrylic_slip+walk_25x5"
@@ -38,6 +40,45 @@ SLIPS = (State.INCIPIENT, State.GROSS)
 
 Sent = tuple[int, int | None, bytes]
 Source = Callable[["SimulatedCore"], Iterator[Sent]]
+
+
+@dataclass(frozen=True)
+class Trace(packets.OfBoot):
+    """Of a core in this process, whose samples no line carries: codes and peak-to-peak of some channels, each
+    number of a span of ``step_s``, the first from ``time`` on.
+
+    ``low``, ``high``: least and greatest sample; ``p2p``: greatest peak-to-peak; each [channels, spans],
+    the first of ``first``.
+    """
+
+    time: int
+    time_s: float | None
+    step_s: float
+    first: int
+    low: NDArray[np.float32]
+    high: NDArray[np.float32]
+    p2p: NDArray[np.float32]
+
+
+def traced(
+    clk_khz: int, rate_hz: float, start: int, codes: Ints, p2p: Ints, most_hz: float = TRACE_HZ
+) -> Trace:
+    """The Trace of codes and peak-to-peaks [channels, whole details] from sample ``start`` on, with at most
+    ``most_hz`` spans in a second, if as many details make whole spans."""
+    count, details = codes.shape[1], p2p.shape[1]
+    spans = details
+    while spans % 2 == 0 and rate_hz * spans / count > most_hz:
+        spans //= 2
+    parts = [array[:TRACED].reshape(min(TRACED, len(array)), spans, -1) for array in (codes, codes, p2p)]
+    low, high, most = (pick(part, axis=2) for pick, part in zip((np.min, np.max, np.max), parts))
+    seconds = start / rate_hz
+    return Trace(
+        round(1000 * clk_khz * seconds),
+        seconds,
+        count / spans / rate_hz,
+        0,
+        *(array.astype(np.float32) for array in (low, high, most)),
+    )
 
 
 class SimulatedCore:
@@ -72,6 +113,7 @@ class SimulatedCore:
             ("core", "lanes", "value"): 1,
         }
         self.units = units.Units()  # what a host should know about this core
+        self.traces: deque[Trace] = deque(maxlen=64)  # those not taken yet
         self._make = source if callable(source) else lambda core: iter(source)
         self.restart()
 
@@ -198,6 +240,7 @@ def slip_source(blocks: Iterable[Ints], rate_hz: float, window: int = 64, hop: i
                 if change:
                     at = int((done + group * (k + 1) - 1) * clocks)  # time of the sample that decided
                     yield at, *p.change_of(channel, int(p2p[channel, k]), change)
+            core.traces.append(traced(core.clk_khz, rate_hz, done, codes, p2p))
             done += codes.shape[1]
             yield int(done * clocks), None, b""
 
@@ -239,8 +282,8 @@ def together(*sources: Source) -> Source:
     return lambda core: heapq.merge(*(source(core) for source in sources), key=lambda item: item[0])
 
 
-def of_scenes(which: str = SHOWN, speed: str = "1") -> SimulatedCore:
-    """A core whose sensors play slip and array scenes in a loop; ``which``: names joined by +."""
+def of_scenes(which: str | Sequence[Any] = SHOWN, speed: str = "1", seed: int = 1) -> SimulatedCore:
+    """A core whose sensors play slip and array scenes in a loop; ``which``: names joined by +, or scenes."""
     try:
         rate = float(speed)
         if not 0 < rate < float("inf"):
@@ -250,11 +293,11 @@ def of_scenes(which: str = SHOWN, speed: str = "1") -> SimulatedCore:
     sources: list[Source] = [statistics_source]
     settings: dict[str, int] = {}
     size, known, level = (1, 1), units.Units(), 1
-    for name in (which or SHOWN).split("+"):
-        scene = scenes.load(name)
+    found = which or SHOWN
+    for scene in map(scenes.load, found.split("+")) if isinstance(found, str) else found:
         if scene.sensor == "rubber":
             config = scene.slip_config()
-            recording = scenes.simulate(scene, 0, 1)
+            recording = scenes.simulate(scene, 0, seed)
             blocks = blocks_of(recording.codes, config.level, loop=True)
             sources.append(slip_source(blocks, scene.rate_hz, config.window, config.hop))
             level = config.level
@@ -268,7 +311,9 @@ def of_scenes(which: str = SHOWN, speed: str = "1") -> SimulatedCore:
             settings["cop.min_load"] = scene.min_load
             known = replace(known, newtons_per_code=scene.load_lsb)
         else:
-            raise ValueError(f"scene {name} has neither a rubber sensor nor an array, so it gives no packets")
+            raise ValueError(
+                f"scene {scene.name} has neither a rubber sensor nor an array, so it gives no packets"
+            )
     core = SimulatedCore(together(*sources), settings=settings, size=size, speed=rate, level=level)
     core.units = known
     return core

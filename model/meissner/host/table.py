@@ -2,7 +2,7 @@
 
 import io
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -14,6 +14,7 @@ from meissner.builds.units import FRACTION_BITS, Units
 from meissner.files import arrays_of, written
 from meissner.host import packets
 from meissner.host.unfinished_log import UnfinishedLog
+from meissner.twins.link.packet import NO_CLASS
 from meissner.twins.slip.slip import State
 
 MAGIC = b"MSNROWS1"  # then blocks: 32-bit length, CRC-32, content (a .npz)
@@ -25,6 +26,7 @@ COLUMNS = {
         **{"late": "?", "start": "?"},
     },
     "state": {"time": "u8", "ns": "i8", "channel": "u2", "state": "u1"},
+    "class": {"time": "u8", "ns": "i8", "label": "u2", "before": "u2", "votes": "u4"},
     "cop": {"time": "u8", "ns": "i8", "x": "i4", "y": "i4", "load": "u8", "pressed": "?"},
     "image": {"time": "u8", "ns": "i8", "number": "u1"},
     "health": {"time": "u8", "ns": "i8", "taxel": "u4", "faults": "u1"},
@@ -36,6 +38,7 @@ _KINDS = {
     packets.SlipEvent: "slip",
     packets.StateChange: "change",
     packets.States: "state",
+    packets.ClassChange: "class",
     packets.CopFrame: "cop",
     packets.Image: "image",
     packets.Health: "health",
@@ -80,6 +83,8 @@ class Table:
                 self._row("state", time=item.time, ns=stamp_ns, channel=item.first + place, state=state)
             return
         given = vars(item) | {"ns": stamp_ns}
+        if isinstance(item, packets.ClassChange):
+            given["before"] = NO_CLASS if item.before is None else item.before
         if isinstance(item, packets.CopFrame):
             given |= {name: round(given[name] * (1 << FRACTION_BITS)) for name in ("x", "y")}
         self._row(kind, **START | given if kind == "change" else given)
@@ -114,6 +119,53 @@ def joined(blocks: Sequence[Arrays]) -> Arrays:
     found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0] if name != "image"}
     images = [block["image"] for block in blocks if len(block["image"])] or [blocks[0]["image"]]
     return found | {"image": np.concatenate(images)}
+
+
+def items(log: Arrays, known: Units) -> Iterator[tuple[int, packets.Item | packets.Reset]]:
+    """(ns, packet) of every row of a log's arrays in order of time, with the units of ``known``."""
+    resets = log["reset_ns"]
+    changes = "change" if len(log["change_ns"]) else "slip"  # earlier logs have the starts of a slip alone
+    kinds = [kind for kind in COLUMNS if kind not in ("slip", "change", "state")] + [changes]
+    rows = [(int(ns), kind, row) for kind in kinds for row, ns in enumerate(log[f"{kind}_ns"])]
+    apart = [np.diff(log[f"state_{name}"].astype(np.int64)) for name in ("time", "channel")]
+    breaks = np.flatnonzero((apart[0] != 0) | (apart[1] != 1)) + 1  # between two packets of states
+    starts = [0, *breaks.tolist()] if len(log["state_time"]) else []
+    ends = dict(zip(starts, [*starts[1:], len(log["state_time"])]))
+    rows += [(int(log["state_ns"][row]), "state", row) for row in starts]
+    # Of one instant, a reset comes before what follows it.
+    for ns, kind, row in sorted(rows, key=lambda row: (row[0], row[1] != "reset")):
+        found = {name: log[f"{kind}_{name}"][row].item() for name in COLUMNS[kind] if name != "ns"}
+        if kind in ("gap", "reset"):
+            yield ns, (packets.Gap if kind == "gap" else packets.Reset)(**found)
+            continue
+        boot = int(np.searchsorted(resets, ns, side="right"))
+        at = {"time": found.pop("time"), "boot": boot}
+        at["time_s"] = known.seconds(at["time"])
+        if kind == "state":
+            states = tuple(log["state_state"][row : ends[row]].tolist())
+            yield ns, packets.States(**at, first=found["channel"], states=states)
+        elif kind == "cop":
+            x, y, x_mm, y_mm = known.place(found["x"], found["y"])
+            more = {"x": x, "y": y, "x_mm": x_mm, "y_mm": y_mm, "load_n": known.load_newtons(found["load"])}
+            yield ns, packets.CopFrame(**at, **found | more)
+        elif kind == "image":
+            yield (
+                ns,
+                packets.Image(
+                    **at, **found, taxels=log["image"][row], newtons_per_code=known.newtons_per_code
+                ),
+            )
+        elif kind in ("change", "slip"):
+            code, start = found["p2p"], found.pop("start", True)
+            amounts = {"p2p_v": known.detail_volts(code), "p2p_n": known.detail_newtons(code)}
+            if start:
+                for name in ("before", "late"):
+                    found.pop(name, None)
+            make = packets.SlipEvent if start else packets.StateChange
+            yield ns, make(**at, **found, **amounts)
+        else:
+            make = packets.Health if kind == "health" else packets.Statistics
+            yield ns, make(**at, **found)
 
 
 class NpzLog:

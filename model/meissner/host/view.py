@@ -81,6 +81,8 @@ class View:
             for channel, state in enumerate(item.states, item.first):
                 if self.states.get(channel, (None,))[0] != state:
                     self.states[channel] = (state, "", "")
+        elif isinstance(item, packets.ClassChange):
+            return f"{self._at(item)}class {item.label}"
         elif isinstance(item, packets.CopFrame):
             self.cop = item
         elif isinstance(item, packets.Image):

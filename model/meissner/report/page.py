@@ -1,15 +1,17 @@
 """A report as one self-contained HTML file: verdict and picture first, then the numbers in words.
 
-No table is wider than its page: headings wrap, and on a narrow page a table of several columns becomes a
-list with each value beside its heading. The dark style inverts pictures and keeps their hues: the white
-background becomes dark like the page, and each colour still matches the name that a caption gives it.
+No table is wider than its page. A column's heading is a word or two, explained below the table; on a narrow
+page a table of several columns becomes a list with each value beside the whole explanation. A picture that is
+clicked, or chosen with Tab and the space bar, is shown larger in a frame that scrolls. The dark style inverts
+pictures and keeps their hues: the white background becomes dark like the page, and each colour still matches
+the name that a caption gives it.
 """
 
 import base64
 import html
 from pathlib import Path
 
-from meissner.report.words import cell, fact, heading, words
+from meissner.report.words import cell, column, fact, heading, words
 
 _STYLE = """
 :root { color-scheme: light dark; --ink: #222; --paper: #fff; --soft: #555; --line: #ddd; }
@@ -19,12 +21,21 @@ h1 { font-size: 1.5rem; line-height: 1.25; margin: 0 0 .5rem; }
 h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; }
 .verdict { font-size: 1.15rem; margin: .5rem 0 1rem; padding-left: .8rem; border-left: 4px solid #0072b2; }
 figure { margin: 1rem 0; } figcaption { color: var(--soft); } figcaption b { color: var(--ink); }
-img { display: block; max-width: 100%; height: auto; margin: 0 auto .4rem; }
+.zoom { display: block; overflow: auto; position: relative; cursor: zoom-in; margin-bottom: .4rem; }
+.zoom input { position: absolute; opacity: 0; }
+.zoom:focus-within { outline: 2px solid #0072b2; outline-offset: 2px; }
+.zoom:has(:checked) { cursor: zoom-out; max-height: 90vh; }
+img { display: block; max-width: 100%; height: auto; margin: 0 auto; }
+.zoom :checked + img { max-width: none; width: max(100%, 68rem); }
+.means { color: var(--soft); font-size: .9rem; margin: .4rem 0 0; padding: 0; list-style: none;
+  columns: 2 24rem; }
+.means b { color: var(--ink); font-weight: normal; }
 .table { overflow-x: auto; } table { border-collapse: collapse; max-width: 100%; }
 th, td { padding: .25rem .8rem .25rem 0; text-align: left; vertical-align: top; font-weight: normal; }
 thead th { vertical-align: bottom; color: var(--soft); border-bottom: 2px solid var(--ink); }
 tbody th, td { border-bottom: 1px solid var(--line); } .facts th { color: var(--soft); width: 45%; }
 @media (max-width: 48rem) {
+  .means { display: none; }
   h1 { font-size: 1.25rem; } .verdict { font-size: 1.05rem; }
   .rows, .rows tbody, .rows tr, .rows td { display: block; } .rows thead { display: none; }
   .rows tr { padding: .4rem 0; border-bottom: 2px solid var(--line); }
@@ -44,16 +55,20 @@ def _rows(rows):
     # A heading depends on a value of its column: take the first that is not None.
     samples = {key: next((row[key] for row in rows if row[key] is not None), None) for key in rows[0]}
     heads = {key: html.escape(heading(key, sample)) for key, sample in samples.items()}
-    head = "".join(f'<th scope="col">{text}</th>' for text in heads.values())
+    columns = {key: html.escape(column(key, sample)) for key, sample in samples.items()}
+    head = "".join(f'<th scope="col" title="{heads[key]}">{text}</th>' for key, text in columns.items())
     body = "".join(
         "<tr>"
         + "".join(f'<td data-label="{heads[key]}">{html.escape(cell(key, row[key]))}</td>' for key in heads)
         + "</tr>"
         for row in rows
     )
+    means = "".join(
+        f"<li><b>{text}</b>: {heads[key]}</li>" for key, text in columns.items() if text != heads[key]
+    )
     return (
         f'<div class="table"><table class="rows"><thead><tr>{head}</tr></thead>'
-        f"<tbody>{body}</tbody></table></div>"
+        f"<tbody>{body}</tbody></table></div>" + (f'<ul class="means">{means}</ul>' if means else "")
     )
 
 
@@ -73,7 +88,8 @@ def _figure(picture):
     condition, shown = html.escape(condition), html.escape(shown)
     kind = "gif" if Path(file).suffix == ".gif" else "png"
     return (
-        f'<figure><img alt="{condition}: {shown}" src="data:image/{kind};base64,{data}">'
+        f'<figure><label class="zoom"><input type="checkbox" aria-label="larger">'
+        f'<img alt="{condition}: {shown}" src="data:image/{kind};base64,{data}"></label>'
         f"<figcaption><b>{condition}</b>: {shown}</figcaption></figure>"
     )
 

@@ -306,6 +306,107 @@ WORDS = {
     "cue_deg": Words("the pins' stripes move to", "°", none="nowhere"),
     "cue_error_deg": Words("off the direction of the pull", "°"),
 }
+# Headings of columns in at most two words, where the words above are more.
+SHORT = {
+    **{"missed": "missed", "late": "late", "false_alarms_masked": "masked alarms"},
+    **{"missed_interval": "missed interval", "false_alarm_interval": "alarm interval"},
+    **{"contact_share_of_sliding": "sliding unseen", "contact_wrong_share": "contact wrong"},
+    **{"delay_ms_median": "delay median", "delay_ms_mean": "delay mean", "delay_ms_max": "delay longest"},
+    **{
+        "detector_ms_max": "detector longest",
+        "lead_ms_median": "lead median",
+        "lead_ms_min": "lead shortest",
+    },
+    **{"convert_jitter_clocks": "convert jitter", "decision_clocks": "decision longest"},
+    **{"decision_us": "decision longest", "decision_jitter_clocks": "decision jitter"},
+    **{
+        "direction_error_deg_max": "direction error",
+        "octants_wrong": "octants wrong",
+        "load_drop": "load drop",
+    },
+    **{
+        "estimate_mm_s": "estimated speed",
+        "estimate_error": "estimate error",
+        "estimate_missed": "no estimate",
+    },
+    **{"estimate_beyond": "over limit", "estimates_outside": "false estimates"},
+    **{"grip_ratio_mean": "grip mean", "grip_ratio_max": "grip largest", "runs_above_ratio": "above 1.2"},
+    **{
+        "tug_ratio_mean": "tug mean",
+        "tug_ratio_min": "tug smallest",
+        "moved_mm_max": "moved",
+        "sag_mm_max": "sag",
+    },
+    **{"ring_mm_max": "ring slip", "slip_mm_mean": "slip mean", "slip_mm_max": "slip largest"},
+    **{"tightenings": "tightenings", "false_tightenings": "false ones", "cycles_with_fault": "fault cycles"},
+    **{"dropped_interval": "dropped interval", "load_error_without_shear": "load unsheared"},
+    **{
+        "position_error": "position error",
+        "load_error": "load error",
+        "load_error_without_lag": "load unlagged",
+    },
+    **{"position_error_maximum": "position largest", "position_error_mean": "position mean"},
+    **{"load_error_maximum": "load largest", "load_error_mean": "load mean", "response_s": "load response"},
+    **{"position_response_s": "position response", "below_min_load": "too light", "over_range": "over range"},
+    **{"r_ohm": "resistor", "position": "position bound", "load": "load bound", "deviation": "deviation"},
+    **{"rest_v": "Vi", "step_v": "dV", "deviation_v": "dV deviation", "speed_mm_s": "speed"},
+    **{"back_mm_s": "line's speed", "table_1_v": "Table 1", "table_2_v": "Table 2", "slope_v_mm": "slope"},
+    **{"slope_error_v_mm": "slope error", "k0": "k0", "residual": "residual", "off_table_1": "beside 1"},
+    **{"off_table_2": "beside 2", "speed_error": "speed error", "beyond_found": "found above"},
+    **{"beyond_falsely": "falsely above", "after_v": "Vc after", "restored_after_v": "if restored"},
+    **{"converged_after_v": "if converged", "converged_table_1_after_v": "Table 1's", "end_v": "Vc end"},
+    **{"settled_s": "settled", "change_lead_ms_min": "change lead", "slope_lead_ms_min": "slope lead"},
+    **{
+        "slope_missed": "slope missed",
+        "slope_missed_rate": "slope missed",
+        "slope_quiet_rate": "crosses quiet",
+    },
+    **{
+        "slope_pressing_rate": "crosses pressing",
+        "stick_slips": "stick-slips",
+        "stick_slips_mean": "stick-slips",
+    },
+    **{
+        "stick_slips_found": "found",
+        "stick_slips_found_share": "found",
+        "elsewhere_per_s": "false crossings",
+    },
+    **{"rms_before_v_s": "rms before", "rms_sliding_v_s": "rms sliding", "dead_found": "dead found"},
+    **{"dead_falsely": "falsely dead", "ghost": "ghost", "pressed_spread": "pressed spread"},
+    **{"second_order_g": "second order", "difference_from_eq18_v": "off eq.18", "low_by": "low by"},
+    **{"low_by_with_lagging_gain": "low lagging", "gain_for_10_percent": "gain 10 %"},
+    **{"gain_for_5_percent": "gain 5 %", "gain_for_1_percent": "gain 1 %", "noise_g": "noise"},
+    **{"unloading_above_loading_g": "hysteresis", "off_the_line_g": "off line", "low_at_full_g": "low full"},
+    **{"low_settled_g": "low settled", "settled_off_g": "settled error", "reads_0_below_g": "reads 0"},
+    **{"settled_off_second_order_g": "settled 2nd", "low_at_full_second_order_g": "full 2nd"},
+    **{
+        "sag_of_hold": "hold rises",
+        "left_after_release_g": "left released",
+        "left_after_rest_g": "left rested",
+    },
+    **{
+        "calibration_residual_g": "residual",
+        "mean_g": "mean",
+        "off_share": "error",
+        "deviation_g": "deviation",
+    },
+    **{"off_share_second_order": "error 2nd", "of_the_mean": "deviation", "peaks_apart_mm": "peaks apart"},
+    **{"peaks_apart_from_mm": "apart least", "peaks_apart_to_mm": "apart most"},
+    **{"neighbour_at_a_centre": "neighbour", "width_at_half_mm": "width", "height_g": "height"},
+    **{"quiet_sections": "quiet pulls", "slipping_sections": "slipping pulls", "errors": "with alarm"},
+    **{"apart_steps": "alarm apart", "apart_ms": "alarm apart", "apart_ms_deviation": "apart deviation"},
+    **{"trees": "trees", "trained_on": "trained on", "below": "below −15", "below_least": "fewest"},
+    **{
+        "below_most": "most",
+        "below_mean": "their mean",
+        "period_steps": "period",
+        "oscillation": "oscillation",
+    },
+    **{"s_8_range": "s8 range", "s_3_rises": "s3 rise", "x_moves": "x moves", "x_falls": "x falls"},
+    **{"y_moves": "y moves", "y_rises": "y rises", "y_left": "y left", "y_follows": "y follows"},
+    **{"unevenness_before": "before", "unevenness_after": "calibrated"},
+    **{"unevenness_codes_as_they_are": "codes uneven", "unevenness_calibrated_by_probe": "probe uneven"},
+}
 # "condition" is a number among the solver's bounds, a name in a slip table.
 SOLVER_CONDITION = Words("condition number, at most")
 
@@ -356,8 +457,15 @@ def cell(key, value):
 
 
 def heading(key, value=None):
-    """The heading of a column; ``value``: one of its values."""
+    """What a column holds; ``value``: one of its values."""
     label, unit = words(key, value)[:2]
+    return f"{label} ({unit})" if unit else label
+
+
+def column(key, value=None):
+    """The heading of a column in at most two words, and its unit."""
+    label, unit = words(key, value)[:2]
+    label = "condition number" if words(key, value) is SOLVER_CONDITION else SHORT.get(key, label)
     return f"{label} ({unit})" if unit else label
 
 

@@ -1,44 +1,22 @@
-"""``meissner process rope``: slip of each frame of nine channels, or of any number, by a forest in F.json."""
-
-import time
+"""``meissner process rope``: slip of each frame of nine channels, or of any number, by a forest."""
 
 import numpy as np
 
-from meissner import engines, files
+from meissner import engines, files, readers
 from meissner.engines.features import function
-from meissner.forest import file
-from meissner.forest.forest import Forest
+from meissner.forest import models
+from meissner.forest.process import decide as decide_rows
 from meissner.terminal import plain
 
 
-def float_share(model, rows):
-    """Share of the vote for the second class [rows]: thresholds and leaves in floats."""
-    share = np.zeros(len(rows))
-    exact = [feature.thresholds for feature in model.features]
-    for tree in model.trees:
-        pairs = zip(tree.feature, tree.threshold)
-        limit = np.array([float(k) if exact[f] is None else [*exact[f], np.inf][k] for f, k in pairs])
-        at = np.full(len(rows), tree.root)
-        while (going := np.flatnonzero(at >= 0)).size:
-            node = at[going]
-            left = rows[going, tree.feature[node]] <= limit[node]
-            at[going] = np.where(left, tree.left[node], tree.right[node])
-        leaf = model.leaves[-1 - at].astype(float)
-        share += leaf[:, 1] / leaf.sum(1)
-    return share / len(model.trees)
-
-
-def votes(engine, model, rows):
-    """(share of the vote for slip, slip) of features [rows, n]."""
-    if engine == "float":
-        share = float_share(model, rows)
-        return share, share > 0.5
-    found = Forest(model, engine=engine).next(rows)
+def votes(found):
+    """(share of the vote for slip, slip) of what meissner.forest.process.decide found."""
     return found.votes[:, 1] / found.votes.sum(1), found.index == 1
 
 
-def decide(x, model, engine):
-    """{"score", "slip"} [samples] of codes ``x`` [channels, samples]; 0 before the first whole window."""
+def decide(x, model, engine, count=1, own=None):
+    """({"score", "slip"} [samples] of codes ``x`` [channels, samples], 0 before the first whole window; the
+    Decided of the windows)."""
     features, channels = len(model.features), len(x)
     if len(model.classes) != 2:
         raise ValueError(f"the forest decides {len(model.classes)} classes; slip needs two")
@@ -47,29 +25,29 @@ def decide(x, model, engine):
     window = features // channels
     if x.shape[1] <= window:
         raise ValueError(f"{x.shape[1]} samples do not fill a window of {window} differences")
-    share, slip = votes(engine, model, function(engine, "forest_features")(x, window))
-    return {
-        "score": np.concatenate([np.zeros(window), share]),
-        "slip": np.concatenate([np.zeros(window, bool), slip]),
-    }
+    found = decide_rows(engine, model, function(engine, "forest_features")(x, window), count, own)
+    share, slip = votes(found)
+    before = lambda array: np.concatenate([np.zeros(window, array.dtype), array])
+    return {"score": before(share), "slip": before(slip)}, found
 
 
 def rope(arguments):
     """``meissner process rope``."""
     engines.load(arguments.engine)
-    model = file.read(arguments.forest)
-    codes = files.read_array(arguments.input)
-    if codes.ndim != 2:
-        raise ValueError(f"the samples must have the shape [samples, channels], not {codes.shape}")
-    x = engines.check_samples(codes if arguments.input.lower().endswith(".csv") else codes.T)
+    model, own = models.either(arguments.forest, trust=arguments.trust)
+    read = readers.read(arguments.input, arguments.column or (), unit=arguments.unit, samples_first=True)
+    codes, done = read.flat().scaled(arguments.volts_per_code)
+    x = engines.check_samples(codes)
     with files.results(arguments.out) as save:
-        began = time.perf_counter()
-        result = decide(x, model, arguments.engine)
-        taken = time.perf_counter() - began
+        result, found = decide(x, model, arguments.engine, arguments.engines, own)
         save(result)
     rises = np.flatnonzero(np.diff(result["slip"].astype(int)) > 0) + 1
     first = f"first at sample {rises[0]}" if len(rises) else "none"
+    print(plain(f"{read.said}; {done}"))
     print(
         f"{x.shape[1]} samples of {len(x)} channels, slip in {int(result['slip'].sum())} ({first}); "
-        f"{x.size / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
+        f"{x.size / found.seconds:.3g} samples/s on engine {arguments.engine}"
+        f"{f' ({plain(found.by)})' if found.by else ''}; {plain(arguments.out)}"
     )
+    if found.run is not None:
+        print(found.run)

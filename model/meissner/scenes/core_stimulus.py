@@ -25,6 +25,8 @@ def codes_of(config, seed=1):
         if scale != 1:
             codes = np.clip(np.rint(codes * scale), 0, top).astype(codes.dtype)
         return np.repeat(codes[:, None], config.channels, axis=1)
+    if config.kind == "none":
+        return np.zeros((1, 1), np.int32)
     if config.kind == "electrodes":
         scene = scenes.load("cop_slip")
         recording = scenes.simulate(scene, scene.conditions[0], seed)

@@ -16,6 +16,7 @@ from meissner.scenes.base import left_out
 from meissner.scenes.features import built, not_built
 from meissner.scenes.sensor import runner
 from meissner.scenes.verdict import verdict
+from meissner.terminal import columns
 
 
 @dataclass(frozen=True)
@@ -109,8 +110,5 @@ def numbered(draws, first=""):
 
 
 def table(rows):
-    """Rows of equal keys as aligned columns, one line each."""
-    columns = list(rows[0])
-    cells = [columns, *([str(row[column]) for column in columns] for row in rows)]
-    widths = [max(len(row[i]) for row in cells) for i in range(len(columns))]
-    return ["  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip() for row in cells]
+    """Rows of equal keys as aligned columns, one line each; None, of nothing to count, as a dash."""
+    return columns([list(rows[0]), *([row[key] for key in rows[0]] for row in rows)])

@@ -9,6 +9,8 @@ of the old row of an array, as much as may remain when the next one is sampled; 
 
 from dataclasses import dataclass, fields
 
+from meissner.builds.settling import check_share
+
 LIMITS = (("channels", 8), ("rows", 256), ("columns", 256), ("window", 4096), ("lut", 10**7))
 SENSORS = ("channels", "electrodes", "array")
 
@@ -41,8 +43,7 @@ class Needs:
             value = getattr(self, key)
             if value is not None and not 0 <= value < 1e9:
                 raise ValueError(f"{key} = {value:g} must be a number from 0 on")
-        if self.settle_share is not None and not 0 < self.settle_share <= 1:
-            raise ValueError(f"settle_share = {self.settle_share:g} must be above 0 and at most 1")
+        check_share(self.settle_share)
         own = {
             "channels": ("channels", "window"),
             "electrodes": ("rows", "columns", "r_ohm"),

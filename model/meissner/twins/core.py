@@ -1,13 +1,14 @@
 """Twin of rtl/msn_core.sv: the packets for complete frames of samples; for a hand also its commands."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from meissner.twins.actuate.actuate import Actuate
+from meissner.twins.forest.classify import Classify
 from meissner.twins.frontend.health import Limits
 from meissner.twins.link.link import payloads
-from meissner.twins.link.packet import SLIP
+from meissner.twins.link.packet import SLIP, class_change
 from meissner.twins.sensor.sensors import from_reset, sensor_array, sensor_cop4
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
@@ -21,12 +22,14 @@ OF_LOAD = 65535  # channel of a slip event found in the load of four electrodes
 class Expected:
     """In order ``changes`` [(frame, type, payload)], ``cop`` [(frame, payload)]; ``images`` [frames, taxels].
 
-    ``slip``: of ``changes`` the starts of a slip, [(frame, payload)].
+    ``classes`` [(frame, payload)]: of the forest. ``slip``: of ``changes`` the starts of a slip, [(frame,
+    payload)].
     """
 
     changes: list
     cop: list
     images: np.ndarray | None
+    classes: tuple = ()
 
     @property
     def slip(self):
@@ -129,8 +132,52 @@ def hand_of(config, start=None):
     )
 
 
-def expected(config, codes):
-    """Payloads of a core of ``config`` for complete frames of codes after reset: as in engines.rtl_core."""
+def classify_of(config):
+    """twins.forest.classify.Classify of a configuration with [forest], before anything is loaded."""
+    forest, settings = config.features["forest"], config.settings
+    rows, columns = config.shape
+    return Classify(
+        rows * columns if forest.frames else None,
+        **vars(forest.size),
+        engines=forest.engines,
+        banks=forest.banks,
+        slip=settings["forest.slip"],
+        grip=bool(settings["forest.grip"]),
+        outside=forest.sdram,
+    )
+
+
+def of_forest(classify, frames):
+    """[(frame, payload)] of the classes that packets tell, for frames [frames, channels]."""
+    found = classify.next(np.asarray(frames).T)
+    return [(frame, class_change(*decision.change)) for frame, decision in found if decision.change]
+
+
+def gripping(config, classify=None):
+    """A function of the forces [frames, taxels] of each control cycle, which returns the Command: of an array
+    whose forest's decisions are the windows of one finger."""
+    classify, actuate = classify or classify_of(config), Actuate(config.features["grip"], 1)
+
+    def cycle(forces):
+        slips = [of.slips for _, of in classify.next(np.asarray(forces).T) if of.slips is not None]
+        return actuate.next(np.zeros((1, 0), int), [slips], [True] * len(slips))
+
+    return cycle
+
+
+def expected(config, codes, classify=None):
+    """Payloads of a core of ``config`` for complete frames of codes after reset: as in engines.rtl_core.
+
+    ``classify``: of a core with [forest], loaded.
+    """
+    found = _expected(config, codes)
+    if classify is None:
+        return found
+    frames = samples_of(config, codes)[0] if found.images is None else found.images
+    return replace(found, classes=of_forest(classify, frames))
+
+
+def _expected(config, codes):
     samples, over = samples_of(config, codes)
     if config.kind == "array":
         return of_array(array_of(config), samples, config.slip, over)

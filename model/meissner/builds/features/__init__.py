@@ -1,9 +1,8 @@
 """Features of a core with their own tables in a build's file, a module each: grip defines [grip].
 
 A module has Keys, the table; PARAMETERS of rtl/msn_core.sv; ``config(keys, base)``, which returns the
-feature's settings, with ``settings`` {register of the group of that name: value} and, where its parameters
-depend on them, ``parameters``; and ``check(base)``, ValueError if the build ``base``
-(meissner.builds.build.Config) does not suit it. KINDS: of sensors that may have it, single channels unless it says.
+feature's settings, with ``settings`` {register of the group of that name: value}; and ``check(base)``,
+ValueError if the build ``base`` (meissner.builds.build.Config) does not suit it.
 """
 
 from importlib import import_module

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from meissner.builds.build import Config
 
 PARAMETERS = {"Display": 1}
-KINDS = ("channels", "array", "electrodes")
 Side = Annotated[int, Meta(ge=1, le=128)]
 Share = Annotated[float, Meta(ge=0, le=1)]
 
@@ -55,11 +54,22 @@ class Keys(Table, frozen=True):
                 raise ValueError(f"{of}_n must go without {of}_codes")
 
 
+def shape_of(base: "Config") -> tuple[int, int] | None:
+    """Rows and columns of the image on the pins; None for four electrodes."""
+    return None if base.kind == "electrodes" else base.shape
+
+
 def check(base: "Config") -> None:
     if base.kind == "channels" and base.channels < 2:
         raise ValueError("[display] must go with an array, two channels or more, or four electrodes")
     if base.serial:
         raise ValueError("[display] must go with serial = false")
+    clocks = base.features["display"].render_of(shape_of(base)).clocks
+    if clocks > base.period_clocks:
+        raise ValueError(
+            f"[adc]: rate_hz = {base.rate_hz:g} is too fast for [display]: computing a frame takes "
+            f"{clocks} clocks, so at most {1000 * base.clk_khz / clocks:.0f} Hz"
+        )
     if base.features["display"].host and not base.link.registers:
         raise ValueError("[display]: source = 'host' must go with registers = true")
 
@@ -75,7 +85,9 @@ def _codes(keys: Keys, of: str, base: "Config", otherwise: int) -> int:
     most = min(65535, base.most_force)
     if found > most or (found < 1 and newtons > 0):
         least = base.array.newtons_per_count
-        raise ValueError(f"{of}_n = {newtons:g} must lie in {least:g} .. {most * least:g}, the forces of a taxel")
+        raise ValueError(
+            f"{of}_n = {newtons:g} must lie in {least:g} .. {most * least:g}, the forces of a taxel"
+        )
     return found
 
 
@@ -85,10 +97,10 @@ def config(keys: Keys, base: "Config") -> DisplayConfig:
     size = DisplaySize(pins, keys.chains, keys.amplitude_bits, base.clk_khz)
     periods = [round(exact(seconds) * exact(keys.drive_hz)) for seconds in (keys.burst_s, keys.burst_on_s)]
     for key, count in zip(("burst_s", "burst_on_s"), periods):
-        if count > 65535 or (not count and getattr(keys, key)):
+        if count > 4095 or (not count and getattr(keys, key)):
             raise ValueError(
-                f"{key} = {getattr(keys, key):g} must lie in {1 / keys.drive_hz:.3g} .. {65535 / keys.drive_hz:.4g}, "
-                "drive periods"
+                f"{key} = {getattr(keys, key):g} must lie in {1 / keys.drive_hz:.3g} .. "
+                f"{4095 / keys.drive_hz:.4g}, drive periods"
             )
     settings = DisplaySettings(
         increment=min(max(increment_of(exact(keys.drive_hz), base.clk_khz), size.limits[0]), size.limits[1]),

@@ -7,8 +7,10 @@ import numpy as np
 from meissner import calibration, interval
 from meissner.builds.units import Units
 from meissner.engines import COP_ONE
+from meissner.forest import process, sklearn
 from meissner.physics import mesh_loads
 from meissner.rope import train
+from meissner.rope.process import votes
 from meissner.scenes.errors import errors, summarise
 from meissner.scenes.rope import pictures
 from meissner.scenes.rope.scene import pressed, training
@@ -34,14 +36,8 @@ def decide(scene, core, model, recordings):
     w = scene.pattern.w
     rows = [core.forest_features(one.channels, w) for one in recordings]
     joined = np.concatenate(rows)
-    if core.engine == "float":
-        share = model.predict_proba(joined)[:, 1]
-        slip = model.predict(joined) == 1
-    else:
-        from meissner.forest.sklearn import of_model
-        from meissner.rope.process import votes
-
-        share, slip = votes(core.engine, of_model(model, True), joined)
+    whole = sklearn.of_model(model, True)
+    share, slip = votes(process.decide(core.engine, whole, joined, own=lambda: sklearn.own(model, whole)))
     ends = np.cumsum([0, *map(len, rows)])
     padded = lambda found, one: np.concatenate([np.zeros(w, found.dtype), found[one]])
     return [(padded(share, slice(a, b)), padded(slip, slice(a, b))) for a, b in pairwise(ends)]

@@ -1,4 +1,5 @@
-"""Twin of rtl/actuate/msn_display.sv: a tactile display at a core, from a sensor's results or a host's frames."""
+"""Twin of rtl/actuate/msn_display.sv: a tactile display at a core, from a sensor's results or a host's
+frames."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -26,8 +27,8 @@ def words(levels):
 
 @dataclass(frozen=True)
 class DisplayConfig:
-    """A display of ``grid`` rows and columns; ``octant``: where a slip's cue moves if the sensor does not know it;
-    ``health``: whether a taxel that cannot be trusted is a fault."""
+    """A display of ``grid`` rows and columns; ``octant``: where a slip's cue moves if the sensor does not
+    know it; ``health``: whether a taxel that cannot be trusted is a fault."""
 
     grid: tuple[int, int] = (5, 20)
     size: DisplaySize = field(default_factory=DisplaySize)
@@ -48,6 +49,10 @@ class DisplayConfig:
         found = {"enable": 1, "source": int(self.host), "octant": self.octant, "health": int(self.health)}
         return found | self.pins.settings | self.render.settings
 
+    def render_of(self, shape):
+        """What makes its frames of a sensor with images of that ``shape``, None: without."""
+        return Render(shape, self.grid, self.size.amplitude_bits, self.render)
+
     @property
     def parameters(self):
         """Parameters of rtl/msn_core.sv."""
@@ -58,15 +63,15 @@ class DisplayConfig:
 
 @dataclass
 class Display:
-    """``feel`` takes a sensor's frame, ``period`` is a drive period, which shows the newest. ``shape``: of the image,
-    None: without one."""
+    """``feel`` takes a sensor's frame, ``period`` is a drive period, which shows the newest. ``shape``: of
+    the image, None: without one."""
 
     config: DisplayConfig
     shape: tuple[int, int] | None = None
 
     @cached_property
     def render(self):
-        return Render(self.shape, self.config.grid, self.config.size.amplitude_bits, self.config.render)
+        return self.config.render_of(self.shape)
 
     @cached_property
     def pins(self):

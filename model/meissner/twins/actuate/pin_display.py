@@ -1,5 +1,6 @@
-"""Twin of rtl/actuate/msn_pin_display.sv and its parts, msn_pin_phase.sv, msn_pin_limits.sv and msn_pin_shift.sv:
-which pins of a tactile display are driven in each drive period, and when each is high (docs/pin_display.md).
+"""Twin of rtl/actuate/msn_pin_display.sv and its parts, msn_pin_phase.sv, msn_pin_limits.sv and
+msn_pin_shift.sv: which pins of a tactile display are driven in each drive period, and when each is high
+(docs/pin_display.md).
 
 increment            of a 40-bit phase at each clock; a drive period ends where the phase wraps
 level L of a pin     0: low; else high in the first L + 1 of a period's 2**(amplitude_bits + 1) slots
@@ -13,8 +14,8 @@ from meissner.twins.shared import fits, within
 
 PHASE_BITS = 40
 DRIVER_BITS = 64  # outputs of a driver, HV507
-WORD = 16  # bits that msn_spi_shift sends at a time
-HISTORY = 8  # parts of the window of the duty
+WORD = 8  # bits that msn_spi_shift sends at a time
+PARTS = 7  # of the window of the duty
 OVERHEAD = 48  # clocks of a load beside its pins and bits
 LEVEL_BITS = 8  # of a frame
 
@@ -30,7 +31,7 @@ def increment_of(hz, clk_khz):
 class DisplaySize:
     """Parameters of the block. ValueError where the slots of a period at ``max_hz`` are too short for a load.
 
-    ``tick_clocks``: clocks of a tick, a quarter ms; ``ticks``: of an eighth of the window of 10 s.
+    ``tick_clocks``: clocks of a tick, a quarter ms; ``ticks``: of a seventh of the window of 10 s.
     """
 
     pins: int = 100
@@ -41,18 +42,20 @@ class DisplaySize:
     min_hz: int = 1
     max_hz: int = 400
     tick_clocks: int = 0  # 0: from clk_khz
-    ticks: int = 5000
+    ticks: int = 5715
 
     def __post_init__(self):
         fits(self, pins=(2, 4096), chains=(1, 8), amplitude_bits=(1, 6), min_hz=(1, self.max_hz))
-        fits(self, ticks=(2, 8191), clk_khz=(1, None), sclk_khz=(1, None))
-        within(chains=(self.chains, 1, self.pins), max_hz=(self.max_hz, 1, (1000 * self.clk_khz - 1) // 256))
+        fits(self, ticks=(2, 5715), clk_khz=(1, None), sclk_khz=(1, None))
+        within(chains=(self.chains, 1, self.pins), max_hz=(self.max_hz, 1, 1000 * self.clk_khz // 512))
         if not self.tick_clocks:
             object.__setattr__(self, "tick_clocks", -(-self.clk_khz // 4))
+        within(tick_clocks=(self.tick_clocks, 1, 250 * self.clk_khz // self.max_hz))
         if self.slot_clocks < self.lead + 8:
             raise ValueError(
-                f"amplitude_bits = {self.amplitude_bits}: a slot of {self.slot_clocks} clocks at {self.max_hz} Hz "
-                f"must be at least {self.lead + 8}, as long as a load of {self.pins} pins in {self.chains} chains"
+                f"amplitude_bits = {self.amplitude_bits}: a slot of {self.slot_clocks} clocks at "
+                f"{self.max_hz} Hz must be at least {self.lead + 8}, a load of {self.pins} pins in "
+                f"{self.chains} chains"
             )
         if self.ticks * self.tick_clocks * self.min_hz < 1000 * self.clk_khz:
             raise ValueError(f"ticks = {self.ticks} must last a drive period at {self.min_hz} Hz or longer")
@@ -112,10 +115,10 @@ class DisplaySettings:
     """The block's inputs.
 
     ``increment``: of the phase, 0: off; below min_hz: off, above max_hz: as max_hz. ``burst_period``,
-    ``burst_on``: in drive periods; a burst_period of 0: always on. ``top``: the highest level; ``most``: pins at
-    once, the first of a frame; ``duty``: ticks that a pin is driven in any 10 s; ``watchdog``: a pin that is on
-    for more than so many eighths of 10 s is off until a frame has it off; ``stop``: ticks without a frame until
-    all is off.
+    ``burst_on``: in drive periods; a burst_period of 0: always on. ``top``: the highest level; ``most``: pins
+    at once, the first of a frame; ``duty``: ticks that a pin is driven in any 10 s; ``watchdog``: a pin that
+    is on for more than so many sevenths of 10 s is off until a frame has it off; ``stop``: ticks without a
+    frame until all is off.
     """
 
     increment: int = 0
@@ -128,7 +131,9 @@ class DisplaySettings:
     stop: int = 65535
 
     def __post_init__(self):
-        words = dict.fromkeys(("burst_period", "burst_on", "duty", "stop"), (0, 65535))
+        words = dict.fromkeys(("duty", "stop"), (0, 65535)) | dict.fromkeys(
+            ("burst_period", "burst_on"), (0, 4095)
+        )
         fits(self, increment=(0, (1 << 32) - 1), top=(0, 255), most=(0, 4095), watchdog=(0, 15), **words)
 
     @property
@@ -140,15 +145,15 @@ class DisplaySettings:
 @dataclass(frozen=True)
 class Period:
     """A drive period: ``levels`` of the pins; ``start``: clock since reset in which it begins at the pins;
-    ``clocks``: its length; ``slots``: the clock in it in which each slot begins; ``silent``: the first one after a
-    pause or a change of the frequency; ``limited``: pins that the frame has on and a limit keeps off."""
+    ``clocks``: its length; ``slots``: the clock in it in which each slot begins; ``silent``: the first one
+    after a pause or a change of the frequency; ``limited``: a limit keeps a pin off that the frame has on."""
 
     levels: np.ndarray
     start: int
     clocks: int
     slots: tuple[int, ...]
     silent: bool
-    limited: int
+    limited: bool
 
 
 def high(levels, amplitude_bits):
@@ -174,10 +179,12 @@ class PinDisplay:
 
     def reset(self):
         pins = self.size.pins
-        self.total, self.part, self.run = (np.zeros(pins, dtype=np.int64) for _ in range(3))
+        self.run = np.zeros(pins, dtype=np.int64)
         self.on = np.zeros(pins, dtype=bool)
-        self.ring = np.zeros((HISTORY, pins), dtype=np.int64)
-        self.turns = 0  # eighths of the window that have ended
+        self.charged = np.zeros(
+            (PARTS + 1, pins), dtype=np.int64
+        )  # in the last sevenths, this one's at its number
+        self.turns = 0  # sevenths that have ended
         self.frame = np.zeros(pins, dtype=np.int64)
         self.levels = self.frame
         self.increment = self.phase = self.begun = self.burst = self.length = 0
@@ -188,20 +195,17 @@ class PinDisplay:
         return (clock + 1) // self.size.tick_clocks
 
     def _turn(self, clock):
-        """Move the window of the duty on, for each eighth that ends before ``clock``; whether one did."""
+        """Move the window of the duty on, for each seventh that ends before ``clock``; whether one did."""
         before = self.turns
         while self.turns < self._ticks(clock - 1) // self.size.ticks:
-            self.total = self.total - self.ring[self.turns % HISTORY]
-            self.ring[self.turns % HISTORY] = self.part
-            self.part = np.zeros_like(self.part)
             self.turns += 1
+            self.charged[self.turns % len(self.charged)] = 0
         return self.turns > before
 
     def _close(self, clock):
         """Charge the period that ends in ``clock``."""
         self.length = self._ticks(clock) - self._ticks(self.begun)
-        charge = np.where(self.on, self.length + 1, 0)
-        self.total, self.part = self.total + charge, self.part + charge
+        self.charged[self.turns % len(self.charged)] += np.where(self.on, self.length + 1, 0)
         self.on = np.zeros_like(self.on)
 
     def off(self, clock):
@@ -218,7 +222,8 @@ class PinDisplay:
         self.wrap = self.begun = clock
 
     def next(self, frame=None, settings=None):
-        """The period that begins at the next wrap, with the newest complete ``frame`` [pins], None: as before.
+        """The period that begins at the next wrap, with the newest complete ``frame`` [pins], None: as
+        before.
 
         None if the frequency is 0: ``on_again`` begins anew.
         """
@@ -242,7 +247,7 @@ class PinDisplay:
         self.run = np.where(wanted, np.minimum(self.run + turned, 15), 0)
         burst = s.burst_period == 0 or self.burst < s.burst_on
         self.burst = 0 if silent or self.burst + 1 >= s.burst_period else self.burst + 1
-        may = wanted & (self.total + self.length + 2 <= s.duty) & (self.run <= s.watchdog)
+        may = wanted & (self.charged.sum(axis=0) + self.length + 2 <= s.duty) & (self.run <= s.watchdog)
         top = min(s.top, (1 << size.amplitude_bits) - 1)
         may &= top > 0
         may &= np.cumsum(may) <= s.most
@@ -254,5 +259,5 @@ class PinDisplay:
         clocks = slots.pop()
         self.phase += before + (clocks - 1) * increment - (1 << PHASE_BITS)
         self.wrap = clock + clocks
-        limited = int((wanted & ~may).sum())
+        limited = bool((wanted & ~may).any())
         return Period(self.levels, clock + size.lead, clocks, (0, *slots), silent, limited)

@@ -1,11 +1,11 @@
-"""Bit-exact twin of rtl/actuate/msn_render.sv: a tactile image, a centre of pressure and a slip as a frame of pin
-levels (docs/pin_display.md).
+"""Bit-exact twin of rtl/actuate/msn_render.sv: a tactile image, a centre of pressure and a slip as a frame of
+pin levels (docs/pin_display.md).
 
-average of a pin   = sum of (overlap of taxel and pin) x / (rows columns)    the image's area divided among the pins
-level              = 0 if the average is below `floor`, else 1 + floor((average - floor) / step), at most the highest
-                     step = 0: the highest
+average of a pin   = sum of (overlap of taxel and pin) x / (rows columns)    areas, divided evenly
+level              = 0 if the average is below `floor`, else 1 + floor((average - floor) / step), at most
+                     the highest; step = 0: the highest
 marker             the pin under the centre of pressure has the highest level
-slip               in place of all this stripes, one pin wide, every fourth pin, that move in the slip's direction
+slip               in place of all this stripes, one pin wide, every fourth pin, that move where it slips
 """
 
 from dataclasses import dataclass, field, fields
@@ -21,7 +21,8 @@ APART = 4  # pins from stripe to stripe
 
 
 def overlaps(taxels, pins):
-    """[pins, taxels] in units of 1 / pins of a taxel: how much of each taxel lies under each pin; rows sum to taxels.
+    """[pins, taxels] in units of 1 / pins of a taxel: how much of each taxel lies under each pin; rows sum to
+    taxels.
 
     A side of ``taxels`` is divided evenly among ``pins``: pin i reaches from i taxels to (i + 1) taxels.
     """
@@ -70,6 +71,15 @@ class Render:
 
     def reset(self):
         self.cue = self.phase = 0  # frames until the next step; place of the stripes
+
+    @property
+    def clocks(self):
+        """From a frame's last taxel, or its centre of pressure, to the last pin's level, at most."""
+        (rows, columns), (high, wide) = self.grid, self.shape or (0, 0)
+        if self.shape is None:
+            return 2 * rows * columns + 4
+        pieces = (rows + high - 1) * (columns + wide - 1)  # overlaps of taxels and pins
+        return pieces + rows * columns * (7 + (1 << self.amplitude_bits)) + 8
 
     def next(self, image=None, slip=False, octant=0, cop=None):
         """Levels [rows, columns] of the pins; ``cop``: (x, y) in Q2.14, None: nothing presses."""

@@ -22,7 +22,7 @@ class Packet:
 
 def fields_of(kind, payload):
     """The payload's fields by name; {} for an unknown type; None if the length does not fit the type."""
-    size = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}.get(
+    size = {p.SLIP: 6, p.CHANGE: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.CLASS: 8, p.ANSWER: 8}.get(
         kind, len(payload)
     )
     if size != len(payload):
@@ -51,6 +51,8 @@ def fields_of(kind, payload):
         return {"taxel": int.from_bytes(payload[:3], "little"), "faults": payload[3]}
     if kind == p.STATISTIC:
         return dict(zip(("index", "counter"), struct.unpack("<BI", payload)))
+    if kind == p.CLASS:
+        return dict(zip(("label", "told", "votes"), struct.unpack("<HHI", payload)))
     if kind == p.ANSWER:
         return dict(zip(("tag", "status", "address", "data"), struct.unpack("<BBHI", payload)))
     if kind == p.IMAGE:

@@ -22,8 +22,8 @@ def crc32(values, bits=8, start=START):
     return crc
 
 
-SLIP, COP, IMAGE, HEALTH, STATISTIC, CHANGE, STATES, ANSWER = 1, 2, 3, 4, 5, 6, 7, 16
-KNOWN = (SLIP, COP, IMAGE, HEALTH, STATISTIC, CHANGE, STATES, ANSWER)
+KNOWN = SLIP, COP, IMAGE, HEALTH, STATISTIC, CHANGE, STATES, CLASS, ANSWER = 1, 2, 3, 4, 5, 6, 7, 8, 16
+NO_CLASS = 65535  # before the first decision
 TIMES = 1 << 48  # a packet's time counts modulo this
 # The counters of a core's statistics by index, as msn_core joins them; docs/link.md has the same names.
 COUNTERS = (
@@ -67,6 +67,11 @@ def cop_frame(x, y, load, pressed):
     """Payload: x and y, signed 24, load 40, pressed 8 bits."""
     sides = [struct.pack("<i", value)[:3] for value in (x, y)]
     return b"".join(sides) + struct.pack("<Q", load)[:5] + bytes([bool(pressed)])
+
+
+def class_change(label, told, votes):
+    """Payload: the class 16, the one that the host had 16 (65535: none), its votes 32 bits."""
+    return struct.pack("<HHI", label, told, votes)
 
 
 def health(taxel, faults):

@@ -9,8 +9,8 @@ class Field:
     features (one bit per group that a build may omit, the first group lowest), width (of ``held_to``).
 
     ``signed``: two's complement; ``held_to``: the field of core.widths with the number of bits that a build
-    has for it; the core saturates the value to these bits. ``acts``: each write of its byte acts, even of the
-    same value.
+    has for it; the core saturates the value to these bits. ``acts``: each write of its lowest byte
+    acts, even of the same value.
     """
 
     name: str

@@ -193,15 +193,54 @@ shear_speed feature Speed of shear
   b58 vi                   25:0  status   0        -         signed
   b5c rise                 26:0  status   0        -         signed
   b60 windows              31:0  status   0        -
+forest feature Forest
+  c00 size.features        8:0   status   0        -
+  c00 size.bits            13:9  status   0        -
+  c00 size.engines         20:14 status   0        -
+  c00 size.banks           22:21 status   0        -
+  c00 size.frames          23:23 status   0        -
+  c04 room.trees           15:0  status   0        -
+  c04 room.classes         31:16 status   0        -
+  c08 nodes                22:0  status   0        -
+  c0c leaves               16:0  status   0        -
+  c10 target.kind          1:0   setting  0        at_once
+  c10 target.engine        13:8  setting  0        at_once
+  c10 target.label         31:16 setting  0        at_once
+  c14 address              21:0  setting  0        at_once   written
+  c18 high                 31:0  setting  0        at_once
+  c1c data                 31:0  setting  0        at_once   written
+  c20 clear                0:0   command  0        at_once
+  c24 swap                 0:0   command  0        at_once
+  c28 state.loaded         0:0   status   0        -
+  c28 state.waits          1:1   status   0        -
+  c28 state.swapping       2:2   status   0        -
+  c28 state.refused        3:3   status   0        -
+  c28 state.error          6:4   status   0        -
+  c2c written              31:0  status   0        -
+  c30 feature              21:0  setting  0        at_once   signed written
+  c30 feature.index        31:24 setting  0        at_once
+  c34 start                0:0   command  0        at_once
+  c38 slip                 31:0  setting  0        at_once
+  c3c grip                 0:0   setting  0        at_once
+  c40 label                15:0  status   0        -
+  c44 best                 31:0  status   0        -
+  c48 select               15:0  setting  0        at_once
+  c4c votes                31:0  status   0        -
+  c50 decisions            31:0  status   0        -
+  c54 changes              31:0  status   0        -
+  c58 missed               15:0  status   0        -
+  c5c absent               15:0  status   0        -
+  c60 late                 15:0  status   0        -
+  c64 broken               15:0  status   0        -
 display feature Pin display
   d00 enable               0:0   setting  0        at_once
   d04 increment            31:0  setting  0        at_once
-  d08 burst_period         15:0  setting  0        at_once
-  d0c burst_on             15:0  setting  0        at_once
+  d08 burst_period         11:0  setting  0        at_once
+  d0c burst_on             11:0  setting  0        at_once
   d10 top                  7:0   setting  ff       at_once
   d14 most                 11:0  setting  fff      at_reset
   d18 duty                 15:0  setting  4e20     at_reset
-  d1c watchdog             3:0   setting  4        at_reset
+  d1c watchdog             3:0   setting  3        at_reset
   d20 stop                 15:0  setting  7d0      at_reset
   d24 source               0:0   setting  0        at_once
   d28 floor                15:0  setting  1        at_once
@@ -217,9 +256,9 @@ display feature Pin display
   d44 size.bits            23:16 status   0        -
   d48 state.running        0:0   status   0        -
   d48 state.fault          1:1   status   0        -
+  d48 state.limited        2:2   status   0        -
   d48 state.pins           19:8  status   0        -
-  d48 state.limited        31:20 status   0        -
-  d4c dropped              31:0  status   0        -
+  d4c dropped              15:0  status   0        -
   d50 faults               31:0  status   0        -
 """
 GROUPS = read(TABLE)

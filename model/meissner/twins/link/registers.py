@@ -168,7 +168,7 @@ class Registers:
             given, kept = data >> field.low & field.most, mask >> field.low & field.most
             if not kept:
                 continue
-            if field.acts:
+            if field.acts and mask >> field.low & 1:
                 pulses.add((group.name, register.name, "written"))
             if field.kind == "command" and given & kept:
                 pulses.add(key)

@@ -69,7 +69,7 @@ class SlipConfig:
 
     @property
     def settings(self):
-        """{name: value} of the registers of the group slip that these settings determine."""
+        """The registers of the group slip that these settings determine, {name: value}."""
         built = ("window", "hop", "level")  # parameters of the RTL
         found = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in built}
         return {name: int(value) for name, value in found.items() if value is not None}

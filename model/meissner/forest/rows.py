@@ -1,0 +1,109 @@
+"""Tables of features: columns by the features' names where the table has names, else by position."""
+
+import csv
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from meissner import files
+
+
+class Rows(NamedTuple):
+    """``x`` [rows, features]; ``y`` [rows], labels, or None; ``taken``: what was taken for the features."""
+
+    x: Any
+    y: Any
+    taken: str
+
+
+def read(path, names, labelled=False):
+    """The Rows of a table for a forest whose features have ``names``.
+
+    .csv: with a header, or numbers alone; an empty cell is a missing value. .npy: [rows, features], or
+    records with names. .npz: ``x``. ``labelled``: also ``y`` of a .npz, or the last column of a .csv.
+    """
+    path = files.check_in(path)
+    kind, y = path.suffix.lower(), None
+    if kind == ".npz":
+        given = files.read_arrays(path) or {}
+        for name in ("x", "y")[: 1 + labelled]:
+            if name not in given:
+                raise ValueError(f"{path} has no array {name}; it must have x [rows, features] and y [rows]")
+        head, x, y = None, given["x"], given["y"] if labelled else None
+    elif kind == ".npy" and not labelled:
+        x = files.read_array(path)
+        head = x.dtype.names
+        if head and x.ndim == 1:
+            x = np.stack([x[name].astype(object) for name in head], 1)
+    elif kind == ".csv":
+        head, x = _table(path, labelled)
+        if labelled:
+            x, y, head = x[:, :-1], x[:, -1], head and head[:-1]
+    else:
+        raise ValueError(f"{path} must be {'' if labelled else 'a .npy, '}a .npz or a .csv file")
+    if x.ndim != 2 or not len(x):
+        raise ValueError(f"{path}: the rows must have the shape [rows, {len(names)}], not {x.shape}")
+    if y is not None and y.shape != x.shape[:1]:
+        raise ValueError(f"{path}: {x.shape} features do not fit {y.shape} labels")
+    at, taken = _chosen(path, names, head, x.shape[1])
+    return Rows(_numbers(path, names, x[:, at]), y, taken)
+
+
+def _table(path, labelled):
+    """(header or None, cells) of a .csv file, whose last column may be texts if it is ``labelled``."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as text:  # a spreadsheet's byte order mark
+            lines = [(number, line) for number, line in enumerate(csv.reader(text), 1) if line]
+    except (ValueError, csv.Error) as problem:
+        raise ValueError(f"{path} is not a table of numbers: {problem}") from None
+    if not lines:
+        raise ValueError(f"{path} has no rows")
+    head = [cell.strip() for cell in lines[0][1]]
+    head[0] = head[0].removeprefix("#").strip()  # as numpy.savetxt writes it
+    for number, line in lines:
+        if len(line) != len(head):
+            raise ValueError(f"{path}, line {number}: {len(line)} values are not {len(head)}")
+    named = not all(map(_is_number, head[:-1] if labelled else head))
+    body = [line for _, line in lines[named:]]
+    return head if named else None, np.array(body, object).reshape(-1, len(head))
+
+
+def _is_number(cell):
+    try:
+        float(cell or "nan")
+    except ValueError:
+        return False
+    return True
+
+
+def _chosen(path, names, head, count):
+    """(indices of the columns that are the features, how they were found)."""
+    if head and set(names) & set(head):
+        for name in names:
+            if head.count(name) != 1:
+                raise ValueError(
+                    f"{path}: the feature {name} is {'missing' if name not in head else 'there twice'}"
+                )
+        others = [name for name in head if name not in names]
+        return [head.index(name) for name in names], "by name" + f", not used: {', '.join(others)}" * bool(
+            others
+        )
+    if head and names[0] != "x0":  # the names of a model that was trained without any
+        raise ValueError(f"{path}: the feature {names[0]} is missing")
+    if count != len(names):
+        raise ValueError(
+            f"{path}: the features {names[0]} to {names[-1]} need {len(names)} columns, not {count}"
+        )
+    return slice(None), "by position" + ", since the forest has no names" * bool(head)
+
+
+def _numbers(path, names, cells):
+    if cells.dtype != object:
+        return cells
+    try:
+        return np.where(cells == "", "nan", cells).astype(np.float64)
+    except ValueError:
+        row, column = next(at for at, cell in np.ndenumerate(cells) if not _is_number(cell))
+        raise ValueError(
+            f"{path}, row {row}: {names[column]} = {cells[row, column]!r} is not a number"
+        ) from None

@@ -1,0 +1,115 @@
+"""Arrays by name: NumPy, MATLAB, WAV, sigrok, and what is like them."""
+
+import configparser
+import re
+import warnings
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meissner import files
+from meissner.readers.table import Column, Table, check_memory, column
+
+_RATE = re.compile(r"(sampl\w*_?)?(rate|freq\w*)(_?hz)?|fs", re.I)
+
+
+def of_named(arrays: Mapping[str, tuple[Any, str]], how: str, longest: bool = True) -> Table:
+    """A Table of {name: (array, unit)}; a single number named like a rate is the rate.
+
+    ``longest``: two dimensions are turned so that the longer one is time.
+    """
+    columns, rate = [], None
+    for name, (array, unit) in arrays.items():
+        array = np.asarray(array)
+        if array.dtype.kind not in "iufbc":
+            continue
+        if array.size == 1 and _RATE.fullmatch(name):
+            rate = float(array.reshape(-1)[0].real)
+            continue
+        if array.ndim == 0 or (longest and array.size == 1):
+            continue
+        if longest and array.ndim == 2:
+            array = (
+                array.ravel() if 1 in array.shape else array.T if array.shape[0] > array.shape[1] else array
+            )
+        columns.append(column(name, array, unit))
+    return Table(columns, how, rate)
+
+
+def npy(path: Path) -> Table:
+    array = files.read_npy(path)
+    if array is None:
+        raise ValueError(f"{path} is not a .npy file of numbers")
+    if array.dtype.names:
+        return of_named({name: (array[name], "") for name in array.dtype.names}, "a structured array")
+    return Table([Column("samples", "", array, named=False)], f"an array of {array.dtype}")
+
+
+def npz(path: Path, wanted: tuple[str, ...]) -> Table:
+    """``wanted``: read only these, and a rate; numbers choose among all."""
+    chosen = {name.lower() for name in wanted} if not any(name.isdecimal() for name in wanted) else set()
+    names: list[str] = []
+
+    def take(name: str, *_: object) -> bool:
+        names.append(name)
+        return not chosen or name.lower() in chosen or bool(_RATE.fullmatch(name))
+
+    arrays = files.read_arrays(path, take)
+    if arrays is None:
+        raise ValueError(f"{path} is not a .npz file of arrays of numbers")
+    how = f"arrays {', '.join(names[:8])}"
+    return of_named({name: (array, "") for name, array in arrays.items()}, how, False)
+
+
+def mat(path: Path) -> Table:
+    from scipy.io import loadmat
+
+    arrays = loadmat(path, chars_as_strings=False)
+    named = {name: (array, "") for name, array in arrays.items() if not name.startswith("__")}
+    return of_named(named, "MATLAB 5")
+
+
+def wav(path: Path) -> Table:
+    from scipy.io import wavfile
+
+    with warnings.catch_warnings(action="ignore"):  # about chunks that hold no samples
+        rate, samples = wavfile.read(path)
+    channels = samples.reshape(len(samples), -1).T
+    columns = [Column(f"channel {k}", "", values) for k, values in enumerate(channels, 1)]
+    kind = f"audio, {len(channels)} channel{'s' * (len(channels) > 1)} of {samples.dtype} at {rate} Hz"
+    return Table(columns, kind, float(rate), audio=True)
+
+
+def sigrok(path: Path) -> Table:
+    """The analog channels of a session, which are floats; their numbers follow those of its logic probes."""
+    with zipfile.ZipFile(path) as session:
+        sizes = {info.filename: info.file_size for info in session.infolist()}
+        check_memory(path, 3 * sum(sizes.values()))
+        if "metadata" not in sizes:
+            raise ValueError("it has no metadata")
+        ini = configparser.RawConfigParser(strict=False, delimiters=("=",))
+        ini.read_string(session.read("metadata").decode("utf-8"))
+        device = dict(ini[next(name for name in ini.sections() if name.startswith("device"))])
+        named = {int(key[6:]): name for key, name in device.items() if re.fullmatch(r"analog\d+", key)}
+        parts: dict[int, list[tuple[int, str]]] = {}
+        for name in sizes:
+            if found := re.fullmatch(r"analog-\d+-(\d+)-(\d+)", name):
+                parts.setdefault(int(found[1]), []).append((int(found[2]), name))
+        if not parts:
+            probes = device.get("total probes", "no")
+            raise ValueError(f"{path} is a logic capture of {probes} probes without an analog channel")
+        columns = []
+        for number, chunks in sorted(parts.items()):
+            chunks.sort()
+            if [at for at, _ in chunks] != [*range(1, len(chunks) + 1)]:
+                raise ValueError(f"a part of channel {number} is missing")
+            data = b"".join(session.read(name) for _, name in chunks)
+            values: NDArray[Any] = np.frombuffer(data, "<f4").astype(np.float64)
+            columns.append(Column(named.get(number, f"analog {number}"), "V", values))
+    rate = re.fullmatch(r"\s*([\d.]+)\s*([kMG]?)(Hz)?\s*", device.get("samplerate", ""))
+    factor = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+    return Table(columns, "a sigrok session", float(rate[1]) * factor[rate[2]] if rate else None)

@@ -1,0 +1,562 @@
+"""msn_classify against its model, and the model against a plain loop over frames and nodes: rows from frames
+and from registers, changes of class with their times while packets wait, decisions for the reflex, every
+counter; loads that have no place, that come too early, that are swapped twice, in the middle of decisions; no
+forest, a memory that does not answer, rows without room, features beyond their bits, damaged frames."""
+
+import random
+from dataclasses import dataclass
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
+
+import bench
+import members
+from forest.trees import decide, forest
+from harness.refusals import refused
+from meissner.forest import words
+from meissner.twins.forest.classify import Classify
+
+NONE = 65535
+SLIP = 0b101  # classes 0 and 2
+NAMES = {"Frames": "frames", "Channels": "channels", "Features": "features", "FeatureBits": "bits"}
+NAMES |= {name: name.lower() for name in ("Classes", "Trees", "Nodes", "Leaves", "Engines", "Banks")}
+SIZE = {
+    "Channels": 3,
+    "SampleBits": 10,
+    "Features": 6,
+    "FeatureBits": 8,
+    "Classes": 3,
+    "Trees": 6,
+    "Nodes": 64,
+}
+SIZE |= {"Leaves": 12, "Engines": 2}
+BUILDS = {
+    "frames": SIZE,
+    "host": SIZE | {"Frames": 0, "Engines": 1, "Banks": 1, "FeatureBits": 22},
+    "two": SIZE | {"Classes": 2, "Channels": 1, "Features": 1, "SampleBits": 17, "FeatureBits": 18},
+    "none": {"Forest": 0},
+}
+
+
+def built(dut):
+    return dut.Forest.value == 1
+
+
+def from_frames(dut):
+    return built(dut) and dut.Frames.value == 1
+
+
+def from_host(dut):
+    return built(dut) and dut.Frames.value == 0
+
+
+@dataclass
+class Sizes:
+    """Of the build, by the model's names."""
+
+    def __init__(self, dut):
+        self.of = {own: getattr(dut, name).value.to_unsigned() for name, own in NAMES.items()}
+        self.frames = self.of.pop("frames")
+
+    def twin(self, **settings):
+        channels = self.of["channels"] if self.frames else None
+        return Classify(**self.of | {"channels": channels, "slip": SLIP, "grip": True} | settings)
+
+    def drawn(self, draw):
+        of, span = self.of, 1 << self.of["bits"] - 1
+        count = of["trees"] * of["engines"] // 2
+        shape = {"leaves": min(9, of["leaves"]), "span": min(span - 2, 200), "depth": 3}
+        while True:  # until every class is found often
+            given = forest(draw, of["features"], of["classes"], count, **shape)
+            given_rows = [[draw.randint(-200, 200) for _ in range(of["features"])] for _ in range(40)]
+            labels = [decide(given, row)[1] for row in given_rows]
+            if min(map(labels.count, range(of["classes"]))) > 4:
+                return given
+
+
+class Stage:
+    """``told``: (time, class, class before, votes) of every change that was taken, ``decided``: slips of
+    every decision for the reflex; packets are taken in a share ``rate`` of the clocks."""
+
+    def __init__(self, dut, rate=1.0):
+        self.dut, self.size, self.rate = dut, Sizes(dut), rate
+        self.told, self.decided, self.draw = [], [], random.Random(bench.SEED)
+
+    async def begin(self, **settings):
+        dut = self.dut
+        idle = dict.fromkeys(("now_i", "time_i", "in_data_i", "in_id_i", "in_last_i", "sdram_dq_i"), 0)
+        await bench.start(dut, **idle, change_ready_i=0, cfg_i=0)
+        self.registers = members.Settings(dut, "forest_cfg", **{"slip": SLIP, "grip": 1} | settings)
+        dut.out_ready_i.value = 1
+        cocotb.start_soon(self._watch())
+        return self
+
+    async def _watch(self):
+        while True:
+            self.dut.change_ready_i.value = int(self.draw.random() < self.rate)
+            await ReadOnly()
+            if bench.high(self.dut.change_valid_o) and bench.high(self.dut.change_ready_i):
+                found = members.of("class", bench.read(self.dut.change_o))
+                self.told.append(tuple(found[name] for name in ("stamp", "label", "told", "votes")))
+            if bench.high(self.dut.decided_o):
+                self.decided.append(bench.read(self.dut.slips_o))
+            await RisingEdge(self.dut.clk_i)
+
+    def status(self):
+        return members.of("forest_status", bench.read(self.dut.status_o))
+
+    async def pulse(self, **values):
+        await self.registers.pulse(self.dut.clk_i, **values)
+
+    async def write(self, kind, engine, address, data, clocks=3):
+        """One load, with its place."""
+        label = address >> 16 if kind == words.VOTE else 0
+        self.registers.put(target_kind=kind, target_engine=engine, target_label=label)
+        self.registers.put(address=address & 0xFFFF if kind == words.VOTE else address)
+        await self.pulse(address_written=1)
+        self.registers.put(high=bench.as_signed(data >> 32, 32), data=bench.as_signed(data & 0xFFFF_FFFF, 32))
+        await self.pulse(data_written=1)
+        await bench.clocks(self.dut, clocks)
+
+    async def load(self, given, swap=True):
+        await self.pulse(clear=1)
+        table = words.loads(given, self.size.of["engines"])
+        for row in table:
+            await self.write(*row)
+            while self.status()["state_waits"]:
+                await RisingEdge(self.dut.clk_i)
+        assert self.status()["written"] == len(table) and not self.status()["state_refused"]
+        if swap:
+            await self.swap()
+
+    async def swap(self):
+        await self.pulse(swap=1)
+        await bench.clocks(self.dut, 2)
+        while self.status()["state_swapping"]:
+            await RisingEdge(self.dut.clk_i)
+
+    async def frame(self, values, time, gaps=None, spoil=None):
+        """One frame, when the one before has been taken; ``spoil``: place of a wrong id."""
+        dut = self.dut
+        await ReadOnly()
+        while bench.high(dut.busy_o):
+            await RisingEdge(dut.clk_i)
+            await ReadOnly()
+        await RisingEdge(dut.clk_i)
+        dut.time_i.value = time
+        for place, value in enumerate(values):
+            while gaps and gaps():
+                await RisingEdge(dut.clk_i)
+            wrong = place == spoil
+            beat = {"data": value, "id": place ^ wrong, "last": (place == len(values) - 1) != wrong}
+            dut.in_valid_i.value = 1
+            bench.offer(dut, beat)
+            await ReadOnly()
+            while not (bench.high(dut.in_ready_o)):
+                await RisingEdge(dut.clk_i)
+                await ReadOnly()
+            assert dut.out_valid_o.value == 1
+            await RisingEdge(dut.clk_i)
+            dut.in_valid_i.value = 0
+
+    async def row(self, values, time, start=True):
+        """The features of a host's row, last one first."""
+        for index, value in reversed(list(enumerate(values))):
+            self.registers.put(feature=value, feature_index=bench.as_signed(index, 8))
+            await self.pulse(feature_written=1)
+        self.dut.now_i.value = time
+        if start:
+            await self.pulse(start=1)
+
+    async def decisions(self, count):
+        """Until so many were made."""
+        for _ in range(20_000):
+            if self.status()["decisions"] == count:
+                return
+            await RisingEdge(self.dut.clk_i)
+        raise AssertionError(f"{self.status()['decisions']} decisions, not {count}")
+
+    def agrees(self, twin):
+        """The registers with the model's."""
+        status = self.status()
+        names = ("label", "best", "decisions", "changes", "absent", "late", "broken")
+        assert {name: status[name] for name in names} == {name: getattr(twin, name) for name in names}
+
+
+def changes(given):
+    """(time, class, before, votes) of [(time, Decision)]."""
+    return [(time, *of.change) for time, of in given if of.change]
+
+
+def frames_of(draw, channels, count, span):
+    return [[draw.randint(-span, span - 1) for _ in range(channels)] for _ in range(count)]
+
+
+@bench.applies(from_frames)
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+@cocotb.parametrize(rate=[0.0, 0.5])
+async def frames_match_the_model(dut, rate):
+    """Every class, its time and votes; what the reflex gets; a damaged frame begins the window anew; votes of
+    each class."""
+    stage = await Stage(dut).begin()
+    size, draw = stage.size, random.Random(bench.SEED)
+    twin, given = size.twin(), size.drawn(draw)
+    await stage.load(given)
+    for row in words.loads(given, size.of["engines"]):
+        twin.load(*row)
+    twin.swap()
+    gaps = bench.gaps_and_stalls(rate)[0]
+    x = frames_of(draw, size.of["channels"], 60, 120)
+    expected, made = [], 0
+    for number, values in enumerate(x):
+        if number == 40 and size.of["channels"] > 1:  # its first beat is right, so the frame is dropped
+            await stage.frame(values, 1, gaps, spoil=1)
+            twin.source.reset()
+        time = 7000 + 13 * number
+        await stage.frame(values, time, gaps)
+        for _, of in twin.next(np.array([values]).T):
+            expected.append((time, of))
+            made += 1
+            await stage.decisions(made)
+    await bench.clocks(dut, 5)
+    assert (
+        stage.told == changes(expected) and len({label for _, label, *_ in stage.told}) == size.of["classes"]
+    )
+    assert stage.decided == [int(of.slips) for _, of in expected]
+    stage.agrees(twin)
+    for label, votes in enumerate(expected[-1][1].votes.tolist()):
+        stage.registers.put(select=label)
+        await bench.clocks(dut, 4)
+        assert stage.status()["votes"] == votes
+    assert stage.status()["state_error"] == stage.status()["missed"] == 0
+
+
+@bench.applies(from_host)
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def rows_of_a_host_match_the_model(dut):
+    """Rows one after another; a feature that is not written keeps its value, one beyond the last is ignored;
+    a start while a row is sent is missed."""
+    stage = await Stage(dut).begin()
+    size, draw = stage.size, random.Random(bench.SEED)
+    twin, given = size.twin(), size.drawn(draw)
+    await stage.load(given)
+    for row in words.loads(given, size.of["engines"]):
+        twin.load(*row)
+    twin.swap()
+    expected, row = [], [0] * size.of["features"]
+    for number in range(40):
+        row = [draw.choice([value, draw.randint(-200, 200)]) for value in row]
+        await stage.row(row, 500 + number)
+        expected += [(500 + number + 0, of) for of in twin.rows([row])]
+        await stage.decisions(number + 1)
+    await bench.clocks(dut, 5)
+    assert stage.told == changes(expected) and stage.decided == [int(of.slips) for _, of in expected]
+    stage.agrees(twin)
+    stage.registers.put(feature=(1 << 21) - 1, feature_index=bench.as_signed(size.of["features"], 8))
+    await stage.pulse(feature_written=1)
+    await stage.pulse(start=1)
+    await stage.pulse(start=1)
+    await stage.decisions(41)
+    next(twin.rows([row]))
+    stage.agrees(twin)
+    assert stage.status()["missed"] == 1
+
+
+@bench.applies(built)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def without_a_forest_there_is_no_class(dut):
+    stage = await Stage(dut).begin()
+    size = stage.size
+    for number in range(8):
+        if size.frames:
+            await stage.frame([number] * size.of["channels"], number)
+        else:
+            await stage.row([number] * size.of["features"], number)
+        await bench.clocks(dut, 60)
+    made = 8 - size.of["features"] // size.of["channels"] if size.frames else 8
+    status = stage.status()
+    assert (status["decisions"], status["absent"], status["label"], status["state_error"]) == (
+        made,
+        made,
+        NONE,
+        1,
+    )
+    assert not stage.told and not stage.decided and not status["state_loaded"]
+    assert (status["late"], status["broken"], status["changes"], status["missed"]) == (0, 0, 0, 0)
+
+
+@bench.applies(built)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_load_without_a_place_is_refused(dut):
+    """Each limit exactly and one beyond; then nothing is swapped until `clear`; a swap that comes twice, or
+    without a write, swaps nothing."""
+    stage = await Stage(dut).begin()
+    of, ends = stage.size.of, []
+    table = 0 if of["classes"] == 2 else of["leaves"]
+    ends += [
+        ((0, 0, of["nodes"] - 1, 5), (0, 0, of["nodes"], 5)),
+        ((0, of["engines"] - 1, 0, 5), (0, of["engines"], 0, 5)),
+    ]
+    ends += [
+        ((1, 0, of["trees"] - 1, 5), (1, 0, of["trees"], 5)),
+        ((1, of["engines"] - 1, 0, 5), (1, of["engines"], 0, 5)),
+    ]
+    ends += [((3, 0, 0, of["trees"]), (3, 0, 0, of["trees"] + 1)), ((3, 0, 9, 1), (3, of["engines"], 0, 1))]
+    if table:
+        ends += [
+            ((2, 63, table - 1, 1), (2, 63, table, 1)),
+            ((2, 0, of["classes"] - 1 << 16, 1), (2, 0, of["classes"] << 16, 1)),
+        ]
+    else:
+        ends += [((3, 0, 0, 1), (2, 0, 0, 1))]
+    for inside, outside in ends:
+        await stage.pulse(clear=1)
+        await stage.write(*inside)
+        await bench.clocks(dut, 4)
+        status = stage.status()
+        assert (status["written"], status["state_refused"], status["state_waits"]) == (1, 0, 0), inside
+        await stage.write(*outside)
+        status = stage.status()
+        assert (status["written"], status["state_refused"]) == (1, 1), outside
+        await stage.swap()
+        assert stage.status()["state_loaded"] == 0
+    await stage.pulse(clear=1)
+    await stage.swap()
+    assert stage.status()["state_loaded"] == 0
+    draw = random.Random(2)
+    given = stage.size.drawn(draw)
+    await stage.load(given)
+    assert stage.status()["state_loaded"] == 1 and stage.status()["written"] == 0
+    bank = bench.read(dut.gen_forest.gen_block_ram.u_forest.bank)
+    await stage.swap()
+    assert bench.read(dut.gen_forest.gen_block_ram.u_forest.bank) == bank
+    # In the clock after a write the next one comes too early.
+    await stage.pulse(clear=1)
+    stage.registers.put(target_kind=3, target_engine=0, data=1)
+    await stage.pulse(data_written=1)
+    await stage.pulse(data_written=1)
+    await bench.clocks(dut, 6)
+    assert stage.status()["state_refused"] == 1 and stage.status()["written"] == 1
+
+
+@bench.applies(built)
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_forest_is_loaded_while_another_decides(dut):
+    """Rows all the time while three forests are loaded in turn: every decision is by the one before the swap
+    or the one after it; with one bank there is none in between."""
+    stage = await Stage(dut).begin()
+    size, draw = stage.size, random.Random(bench.SEED + 3)
+    forests = [size.drawn(draw) for _ in range(3)]
+    rows, got, ending = [], [], False
+    value = [0] * (size.of["channels"] if size.frames else size.of["features"])
+    await stage.load(forests[0])
+
+    async def feed():
+        number = 0
+        while not ending:
+            fresh = [draw.randint(-120, 119) for _ in value]
+            if size.frames:
+                await stage.frame(fresh, number)
+            else:
+                await stage.row(fresh, number)
+            rows.append(fresh)
+            number += 1
+            for _ in range(200):
+                await RisingEdge(dut.clk_i)
+                now = stage.status()
+                if now["decisions"] > len(got):
+                    got.append((now["label"], now["best"]) if not now["state_error"] else None)
+                    break
+
+    cocotb.start_soon(feed())
+    await bench.clocks(dut, 600)
+    for given in forests[1:]:
+        await stage.load(given)
+        await bench.clocks(dut, 500)
+    ending = True
+    await bench.clocks(dut, 400)
+    if size.frames:
+        window = size.of["features"] // size.of["channels"]
+        x = np.diff(np.array(rows), axis=0)
+        q = [
+            np.clip(x[n : n + window].ravel(), -(1 << size.of["bits"] - 1), (1 << size.of["bits"] - 1) - 1)
+            for n in range(len(x) - window + 1)
+        ]
+    else:
+        q = rows
+    answers = []
+    for given in forests:
+        votes = [decide(given, list(row))[:2] for row in q]
+        answers.append([(label, of[label]) for of, label in votes])
+    stage_of, switched = 0, set()
+    for at, found in enumerate(got):
+        if found is None:
+            assert size.of["banks"] == 1
+            continue
+        while found != answers[stage_of][at]:
+            stage_of += 1
+            switched.add(at)
+            assert stage_of < 3, (at, found, [every[at] for every in answers])
+    assert stage_of == 2 and len(got) > 20 and (None in got) == (size.of["banks"] == 1)
+
+
+@bench.applies(from_frames)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def changes_that_wait_are_merged(dut):
+    """Nothing takes a packet while the class changes; then one packet tells the class now, from the one that
+    the host has, or none if it is that again."""
+    stage = await Stage(dut).begin()
+    size, draw = stage.size, random.Random(bench.SEED)
+    twin, given = size.twin(), size.drawn(draw)
+    await stage.load(given)
+    for row in words.loads(given, size.of["engines"]):
+        twin.load(*row)
+    twin.swap()
+    host, now, since, made, expected = NONE, NONE, 0, 0, []
+    stage.rate = 0.0
+    for number, values in enumerate(frames_of(draw, size.of["channels"], 90, 120)):
+        await stage.frame(values, number)
+        for _, of in twin.next(np.array([values]).T):
+            made += 1
+            await stage.decisions(made)
+            since = number if of.label != now else since
+            now = of.label
+        if number % 4 == 3:
+            stage.rate = 1.0
+            await bench.clocks(dut, 4)
+            stage.rate = 0.0
+            if now != host:
+                expected.append((since, now, host))
+                host = now
+        await bench.clocks(dut, 4)
+    assert [one[:3] for one in stage.told] == expected and len(expected) > 2
+    assert stage.status()["changes"] == twin.changes > len(expected)
+
+
+@bench.applies(lambda dut: built(dut) and dut.Features.value.to_unsigned() > 1)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_memory_that_does_not_answer_is_reported(dut):
+    """The engines' memories are silent from a node on: the decision is late, the class stays; they answer
+    again, and so does the forest after a reset."""
+    stage = await Stage(dut).begin()
+    size, draw = stage.size, random.Random(bench.SEED + 5)
+    given = size.drawn(draw)
+    await stage.load(given)
+    engines = dut.gen_forest.gen_block_ram.u_forest.gen_engine
+    silent = True
+
+    async def hush():
+        while silent:
+            await FallingEdge(dut.clk_i)
+            for engine in range(size.of["engines"]):
+                engines[engine].gen_memory.u_memory.rsp_valid_o.value = 0
+
+    cocotb.start_soon(hush())
+    count = size.of["features"] // size.of["channels"] + 1
+    for number in range(count if size.frames else 1):
+        if size.frames:
+            await stage.frame([number] * size.of["channels"], number)
+        else:
+            await stage.row([1] * size.of["features"], number)
+    await stage.decisions(1)
+    status = stage.status()
+    assert (status["late"], status["state_error"], status["label"]) == (1, 2, NONE)
+    assert not stage.told and not stage.decided
+    silent = False
+    await bench.clocks(dut, 2)
+    await bench.reset(dut)
+    await bench.clocks(dut, 2)
+    assert stage.status()["late"] == 0
+
+
+@bench.applies(from_frames)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_feature_is_held_at_the_ends_of_its_bits(dut):
+    """One node at the greatest threshold: the greatest feature goes right, one below left; and the least."""
+    stage = await Stage(dut).begin()
+    of = stage.size.of
+    top = (1 << of["bits"] - 1) - 1
+    most = (1 << dut.SampleBits.value.to_unsigned()) - 1  # the largest step of a sample
+    cases = [(top - 1, top - 1, 0), (top - 1, top, 1), (-top - 1, -top, 1)]
+    if most > top:
+        cases += [(-top - 1, -top - 1, 0), (top - 1, most, 1), (-top - 1, -most, 0)]
+    for threshold, step, right in cases:
+        tree = {"feature": [of["features"] - 1], "threshold": [threshold], "left": [-1], "right": [-2]}
+        given = forest(random.Random(1), of["features"], of["classes"], [tree], leaves=2)
+        given.leaves[:] = np.eye(of["classes"], dtype=int)[:2] * 65535
+        await stage.load(given)
+        window, low = of["features"] // of["channels"], -(abs(step) + 1 >> 1)
+        for number in range(window + 1):  # the last frame has the step in its last channel
+            high = (number == window) == (step > 0)
+            await stage.frame([0] * (of["channels"] - 1) + [low + abs(step) if high else low], number)
+            await bench.clocks(dut, 100)
+        assert stage.status()["label"] == right, (threshold, step, stage.status())
+
+
+@bench.applies(lambda dut: not built(dut))
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def without_the_feature_samples_pass(dut):
+    await bench.start(
+        dut, cfg_i=0, now_i=0, time_i=0, in_data_i=5, in_id_i=0, in_last_i=0, change_ready_i=1, sdram_dq_i=0
+    )
+    for valid, ready in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        dut.in_valid_i.value, dut.out_ready_i.value = valid, ready
+        await ReadOnly()
+        assert (dut.out_valid_o.value, dut.in_ready_o.value, dut.busy_o.value) == (valid, ready, 0)
+        assert (bench.read(dut.status_o), dut.change_valid_o.value, dut.decided_o.value) == (0, 0, 0)
+        await RisingEdge(dut.clk_i)
+
+
+EVIDENCE = {"equivalence": {"size": {"Nodes": 16, "Trees": 2, "Features": 3, "Channels": 3}}}
+
+
+@pytest.mark.parametrize("name", BUILDS)
+def test_classify(name):
+    inside = ("msn_forest.bank", "msn_forest_memory.rsp_valid_o")
+    bench.run("forest", "classify", BUILDS[name], inside=inside)
+
+
+def test_the_model_decides_as_a_loop_over_frames():
+    """Differences, a window, the votes of every tree; before the first window nothing; a class of slip."""
+    draw = random.Random(3)
+    size = {"features": 6, "classes": 3, "trees": 5, "nodes": 64, "leaves": 9}
+    twin = Classify(3, bits=8, slip=0b110, grip=True, **size)
+    given = forest(draw, 6, 3, 5, leaves=9, span=60, depth=3)
+    x = np.array([[draw.randint(-120, 119) for _ in range(3)] for _ in range(40)])
+    assert all(of.error == 1 and of.slips is None for _, of in twin.next(x[:4].T)) and twin.absent == 2
+    twin.reset()
+    for row in words.loads(given, 1):
+        twin.load(*row)
+    twin.swap()
+    found = twin.next(x[:7].T) + [(7 + at, of) for at, of in twin.next(x[7:].T)]
+    told, expected = NONE, []
+    for n in range(2, 40):
+        row = [int(min(max(x[k, c] - x[k - 1, c], -128), 127)) for k in (n - 1, n) for c in range(3)]
+        votes, label, _ = decide(given, row)
+        expected.append(
+            (n, label, votes, (label, told, votes[label]) if label != told else None, label in (1, 2))
+        )
+        told = label
+    assert [
+        (n, of.label, of.votes.tolist(), of.change and tuple(of.change), of.slips) for n, of in found
+    ] == expected
+    assert (twin.decisions, twin.changes) == (38, sum(one[3] is not None for one in expected))
+
+
+def test_the_model_refuses_what_cannot_be():
+    refused(
+        Classify,
+        *({"features": 0}, {"features": 257}, {"features": 7}, {"classes": 0}, {"classes": 65536}),
+        **{"channels": 3, "features": 6, "classes": 2, "trees": 1, "nodes": 1, "leaves": 1},
+    )
+    for wrong in (
+        {"Features": 257},
+        {"Features": 10},
+        {"Classes": 65536},
+        {"Suits": 0},
+        {"Sdram": 1, "Engines": 2},
+    ):
+        said = bench.refuses("classify", wrong)
+        assert next(iter(wrong)) in said or "Registers" in said

@@ -1,0 +1,142 @@
+"""The page of meissner.host.web as a viewer gets it: HTTP on this machine, messages decoded from the format
+that the head of meissner.host.web.hub states."""
+
+import contextlib
+import http.client
+import json
+import math
+import socket
+import struct
+import threading
+
+import numpy as np
+
+from meissner import scenes
+from meissner.builds.units import of_scene
+from meissner.host import Core, web
+from meissner.host.line import Pipe
+from meissner.host.simulated import SimulatedCore, blocks_of, settings_of, slip_source
+from meissner.host.web.server import serving
+
+TYPES = {"f8": "<f8", "f4": "<f4", "u2": "<u2"}
+
+
+@contextlib.contextmanager
+def shown(source):
+    """The address of a page of ``source``, which a thread plays."""
+    thread = threading.Thread(target=web.play, args=(source,), daemon=True)
+    with serving(source.hub, source.write, 0) as server:
+        thread.start()
+        try:
+            yield server.server_address
+        finally:
+            source.stop()
+            thread.join()
+
+
+def of_pipe(pipe, known=None, **settings):
+    return web.OfCore(Core(Pipe(pipe), known, **settings), "a core")
+
+
+TURN_S = 2.0
+
+
+def slipping(speed):
+    """A simulated core that plays the last seconds of the demo's scene, TURN_S, again and again: in each turn
+    the plate, held, slips."""
+    scene = scenes.load("acrylic_slip")
+    config, recording = scene.slip_config(), scenes.simulate(scene, 0, 1)
+    codes = recording.codes[None, -round(TURN_S * scene.rate_hz) :]
+    source = slip_source(blocks_of(codes, config.level, loop=True), scene.rate_hz, config.window, config.hop)
+    core = SimulatedCore(source, settings=settings_of(config), speed=speed, level=config.level)
+    core.units = of_scene(scene)
+    return core
+
+
+def ask(address, method, path, body=None, **headers):
+    """(status, content or the sentence of a refusal)."""
+    line = http.client.HTTPConnection(*address, timeout=30)
+    own = f"{address[0]}:{address[1]}"
+    given = {"Host": own, "Origin": f"http://{own}", "Content-Type": "application/json"}
+    given |= {name.replace("_", "-"): value for name, value in headers.items()}
+    given = {name: value for name, value in given.items() if value is not None}
+    line.request(method, path, None if body is None else json.dumps(body), given)
+    answer = line.getresponse()
+    data = answer.read()
+    line.close()
+    return answer.status, json.loads(data)["error"] if answer.status >= 400 else data
+
+
+def decoded(data):
+    """[(t, head with its arrays)] of complete messages, and the bytes of the rest."""
+    found, at = [], 0
+    while len(data) - at >= 16:
+        length, text, t = struct.unpack_from("<IId", data, at)
+        if len(data) - at < length:
+            break
+        head, place = json.loads(data[at + 16 : at + 16 + text]), at + 16 + text
+        for name, kind, shape in head.pop("arrays", []):
+            count = math.prod(shape)
+            head[name] = np.frombuffer(data, TYPES[kind], count, place).reshape(shape)
+            place += -(-count * int(kind[1:]) // 8) * 8
+        assert place == at + length and length % 8 == 0
+        found.append((t, head))
+        at += length
+    return found, data[at:]
+
+
+class Stream:
+    """A viewer: ``until`` reads messages until one of ``kind`` for which ``wanted`` is true."""
+
+    def __init__(self, address, room=None):
+        self._socket = socket.socket()
+        if room:
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, room)
+        self._socket.settimeout(60)
+        self._socket.connect(address)
+        host = f"{address[0]}:{address[1]}"
+        self._socket.sendall(f"GET /stream HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+        self._rest = b""
+        while b"\r\n\r\n" not in self._rest:
+            self._rest += self._read()
+        head, _, self._rest = self._rest.partition(b"\r\n\r\n")
+        assert head.startswith(b"HTTP/1.1 200"), head
+        self.seen = []
+
+    def _read(self):
+        data = self._socket.recv(1 << 16)
+        if not data:
+            raise EOFError
+        return data
+
+    def until(self, kind, wanted=lambda head: True):
+        for t, head in iter(self.next, None):
+            if head["kind"] == kind and wanted(head):
+                return t, head
+
+    def next(self):
+        while not (found := decoded(self._rest)[0]):
+            self._rest += self._read()
+        t, head = found[0]
+        self._rest = self._rest[struct.unpack_from("<I", self._rest)[0] :]
+        self.seen.append((t, head))
+        return t, head
+
+    def close(self):
+        self._socket.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
+def rows(messages, kind):
+    """Each row of a kind's tables as a dict, without what is not known."""
+    return [
+        {name: value for name, value in zip(head["columns"], row) if not math.isnan(value)}
+        for _, head in messages
+        if head["kind"] == kind
+        for row in head["rows"].tolist()
+    ]

@@ -1,0 +1,179 @@
+"""The page in a real browser, Debian's Chromium where there is one: it draws, it updates, a threshold moved
+in it changes the flags of the simulated core, the source may die and come back, and so may the server."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from harness import browser as chromium
+from harness.web import TURN_S, of_pipe, shown, slipping
+from meissner.builds.units import Units
+from meissner.host import Core, packets, web
+from meissner.host.line import open_line
+from meissner.host.pty import Pty
+from meissner.host.simulated import SimulatedCore, of_scenes
+from meissner.host.web.server import serving
+
+pytestmark = pytest.mark.skipif(bool(chromium.missing), reason=chromium.missing)
+WIDE = "document.documentElement.scrollWidth <= innerWidth"
+# The share of a canvas that is drawn, and whether it changes.
+INK = """(() => { const c = document.querySelector('#%s canvas');
+const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+let n = 0; for (let k = 3; k < d.length; k += 4) n += d[k] > 0; return n / (d.length / 4); })()"""
+SHOWN = "!document.getElementById('%s').hidden"
+STATE = "document.getElementById('state').dataset.state"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium.browser() as found:
+        yield found
+        assert not found.wrong
+
+
+def url(address):
+    return f"http://{address[0]}:{address[1]}/"
+
+
+def test_it_draws_and_updates_and_a_threshold_changes_the_flags(browser):
+    """The slider is moved by keys, as a user does; at the top of the scale the scene does not slip again."""
+    pipe = slipping(3)
+    with shown(of_pipe(pipe, pipe.units)) as address:
+        page = browser.open(url(address))
+        page.until("meissner.firstPicture !== null")
+        for panel in ("signal", "states", "settings", "events", "link"):
+            page.until(SHOWN % panel)
+        for panel in ("touch", "load", "grip"):
+            assert not page.do(SHOWN % panel)
+        page.until(f"{INK % 'signal'} > 0.01")
+        before = page.do("meissner.newest")
+        page.until(f"meissner.newest > {before} + 1")
+        page.until("meissner.events.some(one => one.text.includes('slip, incipient'))")
+        assert page.do("meissner.registers.now('slip.threshold')") == 23
+        said = "document.querySelector('#settings output').textContent"
+        page.until(f"{said} === 'has 23, 19.9 mV'")
+        page.do("document.querySelector('#settings input[type=range]').focus()")
+        page.key("End")
+        page.until("meissner.registers.now('slip.threshold') === 8190")
+        assert pipe.registers.setting("slip", "threshold") == 8190
+        page.until(f"{said}.startsWith('has 8190')")
+        at = page.do("meissner.newest")
+        page.until(f"meissner.newest > {at + 2 * TURN_S}")
+        slips = f"meissner.states.of.get(0).some(one => one.t > {at + 0.3} && one.value.state === 2)"
+        assert not page.do(slips)
+        # And back: a number typed into the field.
+        field = "document.getElementById('set-slip.threshold')"
+        page.do(f"{field}.value = 23; {field}.onchange()")
+        page.until(slips)
+        assert page.do(WIDE)
+
+
+def test_pause_scroll_save_and_keys(browser, tmp_path):
+    pipe = of_scenes("walk_25x5")
+    with shown(of_pipe(pipe, pipe.units)) as address:
+        page = browser.open(url(address), 390, 800, "dark")
+        page.until("meissner.newest > 3 && meissner.cop.length > 10")
+        assert page.do(WIDE) and page.do("meissner.view.span") == 10
+        page.key("-")
+        page.until("meissner.view.span === 20")
+        for _ in range(4):
+            page.key("+")
+        page.until("meissner.view.span === 1")
+        page.key(" ", " ")
+        page.until("document.getElementById('pause').getAttribute('aria-pressed') === 'true'")
+        to = page.do("meissner.view.to")
+        page.until(f"meissner.newest > {to} + 0.5")
+        assert page.do("meissner.view.to") == to
+        page.key("ArrowLeft")
+        page.until(f"meissner.view.to < {to}")
+        where = {"behavior": "allow", "downloadPath": str(tmp_path)}
+        page.call("Page.setDownloadBehavior", where)
+        page.key("s", "s")
+        page.until("document.getElementById('notice').textContent.startsWith('saved as')")
+        end = time.monotonic() + 60
+        while not (found := list(tmp_path.glob("*.mcap"))) and time.monotonic() < end:
+            time.sleep(0.05)
+        from meissner.host import log
+
+        rows = log.read(found[0])
+        begin, end = page.do("[meissner.from, meissner.to]")
+        assert len(rows["cop_time"]) and np.ptp(rows["cop_ns"]) <= (end - begin) * 1e9
+        page.key("End")
+        page.until("!meissner.view.paused")
+
+
+def test_it_survives_a_source_that_dies(browser, tmp_path):
+    port = tmp_path / "port"
+    first = Pty(of_scenes("walk_25x5"))
+    port.symlink_to(first.path)
+    core = Core(open_line(f"pty:{port}"))
+    source = web.OfCore(core, "a port")
+    core.say = source.say
+    with shown(source) as address:
+        page = browser.open(url(address))
+        page.until("meissner.cop.length > 3")
+        first.unplug()
+        page.until(f"{STATE} === 'down'")
+        with Pty(of_scenes("walk_25x5")) as second:
+            port.unlink()
+            port.symlink_to(second.path)
+            page.until(f"{STATE} === 'live'")
+            count = page.do("meissner.received")
+            page.until(f"meissner.received > {count} + 20")
+            page.until("meissner.events.some(one => one.text.startsWith('interrupted for'))")
+    core.close()
+
+
+def test_it_survives_a_restart_of_the_server(browser):
+    port = 0
+    for turn in range(2):
+        source = of_pipe(of_scenes("walk_25x5"))
+        with serving(source.hub, source.write, port) as server:
+            thread = threading.Thread(target=web.play, args=(source,), daemon=True)
+            thread.start()
+            port = server.server_address[1]
+            if not turn:
+                page = browser.open(server.url)
+            page.until(f"meissner.hello?.session === '{source.hub.session}' && meissner.cop.length > 3")
+            source.stop()
+            thread.join()
+        page.until(f"{STATE} === 'down'")
+    assert "started again" in page.do("document.getElementById('notice').textContent")
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_an_array_with_faults_and_a_grip(browser, width, scheme):
+    """Every panel at both widths and in both styles; what a panel draws is in the page's own colours."""
+    pipe = SimulatedCore(size=(4, 6))
+    pipe.status["grip", "command", "value"] = 1234
+    pipe.status["grip", "fault", "value"] = 3
+    source = of_pipe(pipe, Units(newtons_per_code=0.001, pitch_mm=2))
+    with shown(source) as address:
+        page = browser.open(url(address), width, 800, scheme)
+        page.until("meissner.hello")
+        taxels = np.arange(24, dtype=np.uint16).reshape(4, 6) * 50
+
+        def more():
+            hub = source.hub
+            begin = 10**18 + int(hub.newest_s * 1e9)
+            hub.add(begin, packets.Image(0, None, 1, taxels, 0.001))
+            hub.add(begin + 10**6, packets.CopFrame(0, None, 0.5, 0.5, 900, True, 2.5, 1.5, 0.9))
+            hub.add(begin + 2 * 10**6, packets.Health(0, None, 9, 5))
+            hub.add(begin + 3 * 10**6, packets.StateChange(0, None, 7, 1, 9, None, None))
+            hub.add(begin + 4 * 10**6, packets.SlipEvent(0, None, 7, 2, 70, None))
+
+        source.hub.ask(more)
+        for panel in ("touch", "signal", "states", "load", "settings", "grip", "events", "link"):
+            page.until(SHOWN % panel)
+        page.until(f"{INK % 'touch'} > 0.3")
+        page.until("document.querySelector('#touch small').textContent === '2.50, 1.50 mm, load 0.9 N'")
+        assert "9 dead, blinking" in page.do("document.querySelector('#touch .note').textContent")
+        page.until("document.querySelector('#grip small').textContent === '1234 counts'")
+        words = "a finger is silent, a finger is unhealthy; 0 tightenings"
+        assert page.do("document.querySelector('#grip .note').textContent") == words
+        assert page.do(WIDE), page.do("document.documentElement.scrollWidth")
+        dark = page.do("getComputedStyle(document.body).backgroundColor")
+        assert (dark == "rgb(20, 24, 28)") == (scheme == "dark")

@@ -1,0 +1,132 @@
+"""The page of ``live --web`` in Debian's Chromium: README's picture of it, and its figures.
+
+    PYTHONPATH=tb python tools/published/live_page.py picture     docs/live_page.png
+    PYTHONPATH=tb python tools/published/live_page.py speed       [--minutes 3] 64×64 at 100 frames/s: first
+                                                            picture, frames received, processor time, memory
+
+speed sends images and centres of pressure into the page's hub at the given rate; a core that would send so
+many needs more than a serial line, and decoding is no part of it.
+"""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from harness import browser as chromium
+from harness.web import of_pipe, shown
+from meissner.builds.units import Units
+from meissner.host import packets, web
+from meissner.host.simulated import of_scenes
+
+ROOT = Path(__file__).parents[2]
+RATE_HZ, SIDE = 100, 64
+
+
+class Fed:
+    """A source of images and CoP frames at RATE_HZ."""
+
+    def __init__(self):
+        known = Units(clk_khz=25_000, rows=SIDE, columns=SIDE, newtons_per_code=0.001, pitch_mm=1)
+        self.hub, self.stopped = web.hub.Hub(web.sources.about("fed", known, [], []), known), False
+        place = np.arange(SIDE) - SIDE / 2
+        self._images = [
+            (
+                4000 * np.exp(-((place[:, None] - 12 * np.sin(a)) ** 2 + (place - 12 * np.cos(a)) ** 2) / 60)
+            ).astype(np.uint16)
+            for a in np.linspace(0, 2 * np.pi, RATE_HZ, endpoint=False)
+        ]
+        self._began, self.sent = time.monotonic(), 0
+
+    def stop(self):
+        self.stopped = True
+
+    def write(self, name, value):
+        raise ValueError("nothing can be set")
+
+    def step(self):
+        time.sleep(web.sources.PERIOD_S)
+        while self.sent < (time.monotonic() - self._began) * RATE_HZ:
+            k, t = self.sent, self.sent / RATE_HZ
+            image = self._images[k % len(self._images)]
+            stamp = round(t * 1e9) + 1
+            self.hub.add(stamp, packets.Image(round(t * 25e6), t, k % 256, image, 0.001))
+            x, y = 0.3 * np.cos(k / 16), -0.3 * np.sin(k / 16)
+            self.hub.add(stamp, packets.CopFrame(round(t * 25e6), t, x, y, 90, True, 30 * x, 30 * y, 0.09))
+            self.sent += 1
+        self.hub.answer()
+        self.hub.event("status", counts={}, down=False, ended=False, viewers=len(self.hub.viewers))
+        self.hub.send()
+
+
+def resident_mb():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6
+
+
+def speed(minutes):
+    """Print what was received in that time, with the page open."""
+    source = Fed()
+    with shown(source) as (host, port), chromium.browser() as browser:
+        time.sleep(2)
+        page = browser.open(f"http://{host}:{port}/")
+        page.until("window.meissner?.firstPicture")
+        print(f"first picture after {page.do('meissner.firstPicture') / 1e3:.2f} s of the page's own clock")
+        for turn in range(max(1, round(2 * minutes))):
+            before, sent, cpu, wall = page.do("meissner.newest"), source.sent, *clocks()
+            time.sleep(30 if minutes >= 0.5 else 60 * minutes)
+            cpu, wall = (now - then for now, then in zip(clocks(), (cpu, wall)))
+            received = (page.do("meissner.newest") - before) * RATE_HZ
+            heap = page.do("performance.memory.usedJSHeapSize")
+            print(
+                f"{(turn + 1) / 2:g} min: {(source.sent - sent) / wall:.1f} frames/s sent, "
+                f"{received / wall:.1f} received, {page.do('meissner.dropped')} parts dropped; "
+                f"{100 * cpu / wall:.1f} % of a core, {resident_mb():.0f} MB; heap of the page "
+                f"{heap / 1e6:.0f} MB, and {page.do('meissner.imageBytes') / 1e6:.0f} MB of images",
+                flush=True,
+            )
+
+
+def clocks():
+    return time.process_time(), time.monotonic()
+
+
+def picture(path, width=1280, height=860, scheme="light", which="", whole=False, ready=8.0, span=10):
+    """The page of ``live sim:`` a moment after a slip."""
+    pipe = of_scenes(which, speed="1")
+    with shown(of_pipe(pipe, pipe.units)) as (host, port), chromium.browser() as browser:
+        page = browser.open(f"http://{host}:{port}/", width, height, scheme)
+        page.until(f"window.meissner?.hello && meissner.newest > {ready}")
+        page.do(f"meissner.view.span = {span}")
+        page.until("meissner.events.some(one => one.text.includes('slip'))", 120)
+        time.sleep(0.6)
+        page.picture(path, whole)
+        assert not browser.wrong, browser.wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=("picture", "speed"))
+    parser.add_argument("--minutes", type=float, default=3)
+    given = parser.parse_args()
+    if chromium.missing:
+        sys.exit(chromium.missing)
+    if given.what == "speed":
+        speed(given.minutes)
+    else:
+        path = ROOT / "docs/live_page.png"
+        picture(path)
+        smaller(path)
+        print(f"{path}: {path.stat().st_size / 1e3:.0f} kB")
+
+
+def smaller(path):
+    """The same with a palette, a third of the size."""
+    from PIL import Image
+
+    Image.open(path).convert("P", palette=Image.Palette.ADAPTIVE, colors=128).save(path, optimize=True)
+
+
+if __name__ == "__main__":
+    main()
