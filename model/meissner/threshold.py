@@ -144,10 +144,10 @@ def fit(largest, window_s):
             why = (
                 ""
                 if size == LEAST_WINDOWS
-                else f", whose noise is correlated over {size * window_s / 2:.3g} s"
+                else f" (noise correlated over {size * window_s / 2:.3g} s)"
             )
             raise ValueError(
-                f"{len(largest) * window_s:.3g} s of hold{why}, are too short to promise anything: "
+                f"{len(largest) * window_s:.3g} s of hold{why} are too short to promise anything: "
                 f"{need:.3g} s or more are needed"
             )
         blocks = largest[: count * size].reshape(count, size).max(axis=1)

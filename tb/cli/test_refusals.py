@@ -94,6 +94,8 @@ COMMAND: ;
 x1b: run x "--\x1b[2J"; slip "\x1b[2J\u202e\n.npy"
 telepathy: live telepathy
 seconds: live sim: --seconds 0; live sim: --seconds nan
+domain: bridge dds sim: --domain 233; bridge dds sim: --domain -1
+listen-on: bridge foxglove sim: --listen-on 8765; bridge foxglove sim: --listen-on a:b
 clk-khz: live sim: --clk-khz 0; live sim: --clk-khz 999; live sim: --clk-khz 12000000
 reached: regs file:a.bin
 a.txt: log sim: --out a.txt

@@ -88,10 +88,13 @@ class Board:
         """Settings of that configuration that the board determines, not the file; none for a user's file."""
         return self.configs.get(name, {})
 
+    def own(self, name: str) -> dict[str, Any]:
+        """Those of ``changes`` that meissner.builds.config.load takes."""
+        return {key: v for key, v in self.changes(name).items() if key in ("mhz", "part", "registers")}
+
     def config(self, name: str) -> Config:
         """meissner.builds.build.Config of that name, with this board's settings."""
-        own = ("mhz", "part", "registers")
-        return config.load(name, **{key: v for key, v in self.changes(name).items() if key in own})
+        return config.load(name, **self.own(name))
 
     @property
     def sources(self) -> list[str]:

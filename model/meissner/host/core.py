@@ -100,7 +100,7 @@ class Core:
         self.after_reset: Callable[[], object] = lambda: None  # called when the settings are written again
         if registers:
             try:
-                self._identify()
+                self.identify()
                 self._waiting.clear()  # packets from before the units were known
                 self._resets = self.counts.restarts = 0
                 self["core.scratch"] = random.randrange(1, 1 << 32)  # a reset clears it: see _greet
@@ -124,7 +124,7 @@ class Core:
         """Clocks since the core's reset, as it last reported them; 0 before the first report."""
         return self._newest
 
-    def _identify(self) -> None:
+    def identify(self) -> None:
         """Read ID, VERSION, FEATURES, SIZE, clock, widths; Refused in one sentence if the core is another."""
         name = self.line.name
         found = self._ask(bridge.READ, names.place("core.id"))
@@ -162,6 +162,11 @@ class Core:
         if not self._has(place.group):
             raise ValueError(f"{name}: this core is built without {place.group.name}")
         return place
+
+    @property
+    def interrupted(self) -> str:
+        """Why the line is interrupted now; "" if it is not."""
+        return self._reason if self._down is not None else ""
 
     @property
     def ended(self) -> bool:
@@ -512,9 +517,9 @@ class Core:
                 self._take(packet)
 
     def _greet(self) -> bool:
-        """``_identify`` on a line just opened again; returns whether the core was reset meanwhile."""
+        """``identify`` on a line just opened again; returns whether the core was reset meanwhile."""
         with self.impatient():
-            self._identify()
+            self.identify()
             scratch = names.place("core.scratch")
             return scratch.address in self._written and (
                 self._ask(bridge.READ, scratch) != self._written[scratch.address][1]
