@@ -95,7 +95,8 @@ ORIGINS = {
     "TILT_DB": ("published", "4.2: from above and from below 0.2 dB apart", "below_db of optacon_free"),
     "SKIN": (
         "chosen",
-        "fitted: 33 um and 0.8 um in bursts, the dip at 150 Hz; the fall from 20 to 120 Hz so that conclusions 1 and 3 hold",
+        "fitted: 33 um and 0.8 um in bursts, the dip at 150 Hz; the fall from 20 to 120 Hz so that "
+        "conclusions 1 and 3 hold",
         "figures 8 to 11 and 14; docs/papers/optacon.md",
     ),
     "LASER_HZ": ("published", "3.1.2", "a single 230 Hz peak up to 0.58 dB low"),
