@@ -7,18 +7,15 @@ it.
     x0    = 3 d31 L^2 / t^2          metres a volt of a bimorph whose halves are in parallel
 
 U(t) is a train of pulses between 0 and V, since the drivers only switch. A finger presses the pin onto its
-stop as
-PRELOAD_V volts would pull it there, and the stop holds it at 0:
+stop as PRELOAD_V volts would pull it there, and the stop holds it at 0:
 
     x(t) = max(0, x of U alone - PRELOAD_V x(0) / U(0))
 
 So a slow drive moves the pin by V - PRELOAD_V, while a fast one does not let it reach the stop. The further
-out the
-pin is, the more skin takes part, by s. For both, displacement under a finger is not proportional to the
-voltage.
-Tissue on its spring takes the pin's motion up best at sqrt((kc + kg) / M): there is the dip.
+out the pin is, the more skin takes part, by s. For both, displacement under a finger is not proportional to
+the voltage. Tissue on its spring takes the pin's motion up best at sqrt((kc + kg) / M): there is the dip.
 
-About five numbers are published (PUBLISHED of meissner.scenes.optacon); PIN_MG, kg, kc, cc, M and cg are
+About five numbers are published (meissner.scenes.optacon.published); PIN_MG, kg, kc, cc, M and cg are
 fitted to them. What lies between is qualitative: a finger is no lumped mass.
 
 Not modelled: hysteresis and creep of the ceramic, higher modes of the beam, the guide's friction but as
@@ -95,7 +92,8 @@ ORIGINS = {
     "TILT_DB": ("published", "4.2: from above and from below 0.2 dB apart", "below_db of optacon_free"),
     "SKIN": (
         "chosen",
-        "fitted: 33 um and 0.8 um in bursts, the dip at 150 Hz; the fall from 20 to 120 Hz so that conclusions 1 and 3 hold",
+        "fitted: 33 um and 0.8 um in bursts, the dip at 150 Hz; the fall from 20 to 120 Hz so that "
+        "conclusions 1 and 3 hold",
         "figures 8 to 11 and 14; docs/papers/optacon.md",
     ),
     "LASER_HZ": ("published", "3.1.2", "a single 230 Hz peak up to 0.58 dB low"),
