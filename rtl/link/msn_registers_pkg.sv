@@ -590,8 +590,8 @@ package msn_registers_pkg;
   {Forest,    10'h302, 5'd0,  6'd23, Status,   AtOnce,   Whole,  1'b0, 12'd351, 32'h0},  // nodes
   {Forest,    10'h303, 5'd0,  6'd17, Status,   AtOnce,   Whole,  1'b0, 12'd334, 32'h0},  // leaves
   {Forest,    10'h304, 5'd0,  6'd2,  Setting,  AtOnce,   Whole,  1'b0, 12'd378, 32'h540},  // target_kind
-  {Forest,    10'h304, 5'd8,  6'd6,  Setting,  AtOnce,   Whole,  1'b0, 12'd372, 32'h542},  // target_engine
-  {Forest,    10'h304, 5'd16, 6'd16, Setting,  AtOnce,   Whole,  1'b0, 12'd356, 32'h548},  // target_label
+  {Forest,    10'h304, 5'd2,  6'd6,  Setting,  AtOnce,   Whole,  1'b0, 12'd372, 32'h542},  // target_engine
+  {Forest,    10'h304, 5'd8,  6'd16, Setting,  AtOnce,   Whole,  1'b0, 12'd356, 32'h548},  // target_label
   {Forest,    10'h305, 5'd0,  6'd22, Setting,  AtOnce,   Whole,  1'b0, 12'd334, 32'h558},  // address
   {Forest,    10'h305, 5'd0,  6'd1,  Strobe,   AtOnce,   Whole,  1'b0, 12'd333, 32'h0},  // address_written
   {Forest,    10'h306, 5'd0,  6'd32, Setting,  AtOnce,   Whole,  1'b0, 12'd301, 32'h56e},  // high
@@ -606,7 +606,7 @@ package msn_registers_pkg;
   {Forest,    10'h30a, 5'd4,  6'd3,  Status,   AtOnce,   Whole,  1'b0, 12'd327, 32'h0},  // state_error
   {Forest,    10'h30b, 5'd0,  6'd32, Status,   AtOnce,   Whole,  1'b0, 12'd295, 32'h0},  // written
   {Forest,    10'h30c, 5'd0,  6'd22, Setting,  AtOnce,   Whole,  1'b1, 12'd244, 32'h5ae},  // feature
-  {Forest,    10'h30c, 5'd24, 6'd8,  Setting,  AtOnce,   Whole,  1'b0, 12'd236, 32'h5c4},  // feature_index
+  {Forest,    10'h30c, 5'd22, 6'd8,  Setting,  AtOnce,   Whole,  1'b0, 12'd236, 32'h5c4},  // feature_index
   {Forest,    10'h30c, 5'd0,  6'd1,  Strobe,   AtOnce,   Whole,  1'b0, 12'd235, 32'h0},  // feature_written
   {Forest,    10'h30d, 5'd0,  6'd1,  Command,  AtOnce,   Whole,  1'b0, 12'd234, 32'h0},  // start
   {Forest,    10'h30e, 5'd0,  6'd32, Setting,  AtOnce,   Whole,  1'b0, 12'd202, 32'h5cc},  // slip

@@ -468,7 +468,7 @@ async def a_forest_decides_and_the_hand_closes(dut):
         slips = sum(of.slips for _, of in decisions)
     for kind, engine, address, data in loads:
         label, place = (address >> 16, address & 0xFFFF) if kind == words.VOTE else (0, address)
-        registers = {0xC10: kind | engine << 8 | label << 16, 0xC14: place, 0xC18: data >> 32, 0xC1C: data}
+        registers = {0xC10: kind | engine << 2 | label << 8, 0xC14: place, 0xC18: data >> 32, 0xC1C: data}
         for at, value in registers.items():
             assert await axi.write(at, value) == AxiResp.OKAY
     assert await axi.read(0xC2C) == (len(loads), AxiResp.OKAY)

@@ -55,7 +55,7 @@ def core_of(known=KNOWN, more=()):
 
 def messages(core, *more):
     """[(ns, topic, message)] of what the core sent, at 1 ms a thousand clocks."""
-    convert, found = ros.Converter(core), []
+    convert, found = ros.Converter(core.units, core), []
     for item in [*core.packets(0.05), *more]:
         at = getattr(item, "time", 5000) * 1000
         found += [(at, *one) for one in convert.messages(at, item)]
@@ -182,7 +182,7 @@ def test_without_units_no_metres_and_no_newtons():
 
 def test_diagnostics_by_hand():
     _, core = core_of()
-    convert = ros.Converter(core)
+    convert = ros.Converter(core.units, core)
     for item in core.packets(0.05):
         list(convert.messages(0, item))
     _, taxels, counters = convert.diagnostics(1)[1].status
@@ -200,7 +200,7 @@ def test_diagnostics_by_hand():
     assert convert.diagnostics(4)[1].status[0].level == 0
     core._lost(line.Gone("a line is gone"))
     assert (convert.diagnostics(5)[1].status[0].level, core.interrupted) == (2, "a line is gone")
-    taxels = ros.Converter(core)
+    taxels = ros.Converter(core.units, core)
     list(taxels.messages(0, packets.Health(1, None, 4, 1, boot=core.counts.restarts)))
     list(taxels.messages(0, packets.Health(1, None, 5, 2, boot=core.counts.restarts + 1)))  # after a reset
     assert [one.key for one in taxels.diagnostics(0)[1].status[1].values] == ["row 1, column 2"]
@@ -401,7 +401,7 @@ def node_class(monkeypatch, store):
 
 def test_the_node_publishes_every_message(monkeypatch, store):
     """Through classes that refuse a wrong field, type or range; bytes as the converter's own."""
-    _, module = node_class(monkeypatch, store)
+    rclpy, module = node_class(monkeypatch, store)
     _, core = core_of()
     monkeypatch.setattr(module.host, "connect", lambda *_, **__: core)
     node = module.TactileNode()
@@ -409,6 +409,8 @@ def test_the_node_publishes_every_message(monkeypatch, store):
     found = {}
     for topic, message in node.published:
         found.setdefault(topic, []).append(message)
+    monkeypatch.setattr(rclpy, "ok", lambda: False)
+    node.run()  # ends with ROS
     never = {"/tactile/gap", "/tactile/reset"}
     assert set(found) == {
         topic if topic == "/diagnostics" else topic[1:] for topic in set(ros.TOPICS) - never
@@ -419,7 +421,7 @@ def test_the_node_publishes_every_message(monkeypatch, store):
     assert bytes(found["tactile/image"][0].data) == TAXELS.tobytes()
     assert found["/diagnostics"][0].status[1].level == b"\1"
     for item in (GAP, packets.Reset(3, -1)):
-        [(topic, message)] = ros.Converter(core).messages(0, item)
+        [(topic, message)] = ros.Converter(core.units, core).messages(0, item)
         module.made(ros.TOPICS[topic], message, module.message_class, module.leaf)
 
 

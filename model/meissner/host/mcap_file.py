@@ -8,7 +8,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from meissner.builds.units import FRACTION_BITS
+from meissner.builds.units import FRACTION_BITS, Units
 from meissner.host import packets
 from meissner.host.core import Core
 from meissner.host.ros import DIAGNOSE_NS, TOPICS, Converter, Message, definition, full_name, serialised
@@ -32,11 +32,11 @@ QOS = (
 class Writer:
     """``add`` takes packets with their time in ns, ``tell`` facts about the log, ``finish`` the final facts.
 
-    Every topic is declared at once. ``flush`` writes the packets so far as a chunk; a file that was cut off
-    is readable up to the last chunk.
+    Every topic is declared at once; /diagnostics is about ``core``. ``flush`` writes the packets so far as a
+    chunk; a file that was cut off is readable up to the last chunk.
     """
 
-    def __init__(self, file: UnfinishedLog, core: Core) -> None:
+    def __init__(self, file: UnfinishedLog, known: Units, core: Core | None) -> None:
         from mcap.writer import Writer
 
         self._writer = Writer(file)  # type: ignore[arg-type]  # it needs write and tell only
@@ -50,7 +50,7 @@ class Writer:
             self._channels[topic] = self._writer.register_channel(
                 topic, "cdr", schemas[kind], {"offered_qos_profiles": QOS}
             )
-        self._convert, self._count = Converter(core), 0
+        self._convert, self._count, self._core = Converter(known, core), 0, core
         self._newest_ns = self._diagnose_ns = 0
 
     def _write(self, stamp_ns: int, topic: str, message: Message) -> None:
@@ -66,6 +66,8 @@ class Writer:
             self._diagnose()
 
     def _diagnose(self) -> None:
+        if self._core is None:
+            return
         self._write(self._newest_ns, *self._convert.diagnostics(self._newest_ns))
         self._diagnose_ns = self._newest_ns + DIAGNOSE_NS
 

@@ -3,10 +3,14 @@
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 from meissner.host import packets
 from meissner.host.core import Core
 from meissner.twins.link.packet import TIMES
+
+if TYPE_CHECKING:
+    from meissner.host.simulated import Trace
 
 DRIFT_PPM = 200  # of two crystals together, at most
 LATE_NS = 10**9  # a packet that seems later than this means that the core's clock stood still
@@ -51,7 +55,9 @@ class Stamps:
         assert self._core.units.clk_khz
         return ticks * 10**6 // self._core.units.clk_khz
 
-    def next(self, item: packets.Item) -> Iterator[tuple[int, packets.Item | packets.Reset]]:
+    def next(
+        self, item: "packets.Item | Trace"
+    ) -> Iterator[tuple[int, "packets.Item | packets.Reset | Trace"]]:
         if isinstance(item, packets.Gap):
             stamp = time.time_ns()
         else:

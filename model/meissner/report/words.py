@@ -392,7 +392,12 @@ SHORT = {
     },
     **{"off_share_second_order": "error 2nd", "of_the_mean": "deviation", "peaks_apart_mm": "peaks apart"},
     **{"peaks_apart_from_mm": "apart least", "peaks_apart_to_mm": "apart most"},
-    **{"neighbour_at_a_centre": "neighbour", "width_at_half_mm": "width", "height_g": "height"},
+    **{
+        "roundness": "roundness",
+        "neighbour_at_a_centre": "neighbour",
+        "width_at_half_mm": "width",
+        "height_g": "height",
+    },
     **{"quiet_sections": "quiet pulls", "slipping_sections": "slipping pulls", "errors": "with alarm"},
     **{"apart_steps": "alarm apart", "apart_ms": "alarm apart", "apart_ms_deviation": "apart deviation"},
     **{"trees": "trees", "trained_on": "trained on", "below": "below −15", "below_least": "fewest"},
@@ -452,7 +457,7 @@ def cell(key, value):
             return f"{value:,.4f}".rstrip("0").rstrip(".")
         return number(value if scale == 1 else value * scale)
     if key in INTERVALS:
-        return interval.ends(*value)
+        return interval.ends(*value).replace(" ", "\N{NO-BREAK SPACE}")
     return str(value)
 
 

@@ -204,8 +204,8 @@ forest feature Forest
   c08 nodes                22:0  status   0        -
   c0c leaves               16:0  status   0        -
   c10 target.kind          1:0   setting  0        at_once
-  c10 target.engine        13:8  setting  0        at_once
-  c10 target.label         31:16 setting  0        at_once
+  c10 target.engine        7:2   setting  0        at_once
+  c10 target.label         23:8  setting  0        at_once
   c14 address              21:0  setting  0        at_once   written
   c18 high                 31:0  setting  0        at_once
   c1c data                 31:0  setting  0        at_once   written
@@ -218,7 +218,7 @@ forest feature Forest
   c28 state.error          6:4   status   0        -
   c2c written              31:0  status   0        -
   c30 feature              21:0  setting  0        at_once   signed written
-  c30 feature.index        31:24 setting  0        at_once
+  c30 feature.index        29:22 setting  0        at_once
   c34 start                0:0   command  0        at_once
   c38 slip                 31:0  setting  0        at_once
   c3c grip                 0:0   setting  0        at_once
