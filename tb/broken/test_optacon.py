@@ -1,6 +1,5 @@
 """Each metric of the scenes of pins under a finger: which fault changes it, and how. Bimorph, finger,
-receptors, laser
-or display are broken on purpose; what a fault does not reach stays exactly equal."""
+receptors, laser or display are broken on purpose; what a fault does not reach stays exactly equal."""
 
 import dataclasses
 

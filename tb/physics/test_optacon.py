@@ -1,11 +1,9 @@
 """The paper's four conclusions out of simulated pins and receptors, and where each flips: voltage, frequency
-and area of
-the tip vary; then the scenes on float and fixed.
+and area of the tip vary; then the scenes on float and fixed.
 
 Displacements here are the model's true peaks. What is reached is decided by loops over the knots, written
-again from
-docs/papers/optacon.md, and where a conclusion flips is worked out by hand from one displacement and one
-threshold.
+again from docs/papers/optacon.md, and where a conclusion flips is worked out by hand from one displacement
+and one threshold.
 """
 
 import dataclasses
@@ -103,8 +101,7 @@ def test_frequency_flips_the_third():
 
 def test_area_flips_the_third_and_the_fourth():
     """With 0.008 cm2 FA-II responds to 230 Hz from 30 V on; with the tip's it does not. The curve of 0.008
-    cm2 in
-    place of the plotted one is not exceeded at 120 Hz."""
+    cm2 in place of the plotted one is not exceeded at 120 Hz."""
     assert (
         not felt("FA-II", 230, 50, TIP)
         and felt("FA-II", 230, 30, SMALLEST)

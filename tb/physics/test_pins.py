@@ -1,6 +1,5 @@
-"""A pin on its bimorph, by hand: stiffness, mass, displacement, the skin's dip; pulses as a sum of sines;
-the laser's
-samples and peaks; and the published numbers that the constants are fitted to."""
+"""A pin on its bimorph, by hand: stiffness, mass, displacement, the skin's dip; pulses as a sum of sines; the
+laser's samples and peaks; and the published numbers that the constants are fitted to."""
 
 from itertools import pairwise
 
@@ -12,9 +11,8 @@ from meissner.scenes.optacon import judge, published
 
 
 def test_the_bimorph_by_hand():
-    """I = 1.05 * 0.55^3 / 12 mm4 = 1.455781e-14 m4; k = 3 * 60e9 * I / 0.037^3; 33/140 of 166.6665 mg and
-    the pin's
-    mass; 3 * 274e-12 * (37 / 0.55)^2 m/V."""
+    """I = 1.05 * 0.55^3 / 12 mm4 = 1.455781e-14 m4; k = 3 * 60e9 * I / 0.037^3; 33/140 of 166.6665 mg and the
+    pin's mass; 3 * 274e-12 * (37 / 0.55)^2 m/V."""
     assert pins.stiffness() == pytest.approx(2.620406e-3 / 5.0653e-5, rel=1e-6)
     assert pins.mass() - pins.PIN_MG * 1e-6 == pytest.approx(33 / 140 * 1.666665e-4, rel=1e-6)
     assert pins.per_volt() == pytest.approx(3.720060, rel=1e-6)
@@ -96,8 +94,8 @@ def read_um(wave, hz):
 
 
 def test_the_published_numbers_come_out():
-    """Free 22.2 dB at 230 Hz; bursts 33 um out, 0.8 um on top; the dip at 150 Hz at each voltage, and no
-    rise before."""
+    """Free 22.2 dB at 230 Hz; bursts 33 um out, 0.8 um on top; the dip at 150 Hz at each voltage, and no rise
+    before."""
     hz = published.FREE_HZ
     free = read_um(pins.period(hz, published.FREE_V, False), hz)
     assert pins.in_db(free) == pytest.approx(published.FREE_DB, abs=0.1)

@@ -1,6 +1,5 @@
 """The four channels, by hand: table 1, thresholds at and between their knots, the contactor's area, and what
-a
-displacement in time does to each."""
+a displacement in time does to each."""
 
 import numpy as np
 import pytest
@@ -49,8 +48,7 @@ def test_each_channel_is_the_most_sensitive_where_it_should_be():
 
 def test_the_area_of_the_contactor():
     """Ten times the area, 10 dB, below 0.1 cm2; above 3.3 dB a decade on the fingertip, 10 on the thenar.
-    From 0.008
-    to 0.0007 cm2 10 log10(80 / 7) = 10.58 dB. No other channel has it."""
+    From 0.008 to 0.0007 cm2 10 log10(80 / 7) = 10.58 dB. No other channel has it."""
     of = receptors.summation_db
     assert of(0.001) - of(0.01) == pytest.approx(10) and of(0.0007) - of(0.008) == pytest.approx(
         10.5799, abs=1e-4

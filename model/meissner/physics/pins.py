@@ -7,18 +7,15 @@ it.
     x0    = 3 d31 L^2 / t^2          metres a volt of a bimorph whose halves are in parallel
 
 U(t) is a train of pulses between 0 and V, since the drivers only switch. A finger presses the pin onto its
-stop as
-PRELOAD_V volts would pull it there, and the stop holds it at 0:
+stop as PRELOAD_V volts would pull it there, and the stop holds it at 0:
 
     x(t) = max(0, x of U alone - PRELOAD_V x(0) / U(0))
 
 So a slow drive moves the pin by V - PRELOAD_V, while a fast one does not let it reach the stop. The further
-out the
-pin is, the more skin takes part, by s. For both, displacement under a finger is not proportional to the
-voltage.
-Tissue on its spring takes the pin's motion up best at sqrt((kc + kg) / M): there is the dip.
+out the pin is, the more skin takes part, by s. For both, displacement under a finger is not proportional to
+the voltage. Tissue on its spring takes the pin's motion up best at sqrt((kc + kg) / M): there is the dip.
 
-About five numbers are published (PUBLISHED of meissner.scenes.optacon); PIN_MG, kg, kc, cc, M and cg are
+About five numbers are published (meissner.scenes.optacon.published); PIN_MG, kg, kc, cc, M and cg are
 fitted to them. What lies between is qualitative: a finger is no lumped mass.
 
 Not modelled: hysteresis and creep of the ceramic, higher modes of the beam, the guide's friction but as

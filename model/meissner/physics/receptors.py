@@ -21,8 +21,8 @@ from meissner.arrays import Bools, Floats
 
 
 class Channel(NamedTuple):
-    """A kind of unit: its psychophysical channel, receptor, receptive field, density and depth (table 1),
-    and its threshold as (Hz, dB) knots. ``sums``: over the area of the contactor."""
+    """A kind of unit: its psychophysical channel, receptor, receptive field, density and depth (table 1), and
+    its threshold as (Hz, dB) knots. ``sums``: over the area of the contactor."""
 
     channel: str
     receptor: str
@@ -119,8 +119,7 @@ def summation_db(cm2: float, skin: str = "fingertip") -> float:
 
 def threshold_db(name: str, hz: ArrayLike, cm2: float = TIP_CM2, skin: str = "fingertip") -> Floats:
     """The threshold of a channel of CHANNELS for a contactor of that area; beyond the knots their last lines
-    go
-    on."""
+    go on."""
     channel = CHANNELS[name]
     at, db = np.log2(np.array(channel.knots)[:, 0]), np.array(channel.knots)[:, 1]
     octave = np.log2(np.maximum(hz, 1e-3))
@@ -136,9 +135,8 @@ def reached(name: str, hz: ArrayLike, db: ArrayLike, cm2: float = TIP_CM2, skin:
 
 
 def sensation(name: str, x_um: Floats, rate_hz: float, cm2: float = TIP_CM2) -> Floats:
-    """Displacements [..., samples] of a periodic record over the channel's threshold. What is held counts
-    for the
-    slowly adapting units as SLOW_HZ does, for the others not at all."""
+    """Displacements [..., samples] of a periodic record over the channel's threshold. What is held counts for
+    the slowly adapting units as SLOW_HZ does, for the others not at all."""
     hz = np.fft.rfftfreq(x_um.shape[-1], 1 / rate_hz)
     weight = 10 ** (-threshold_db(name, np.maximum(hz, SLOW_HZ), cm2) / 20)
     if not name.startswith("SA"):

@@ -24,8 +24,7 @@ class Picture:
     """A picture to be drawn: ``draw`` writes the file of the path that it is given.
 
     ``end``: of the file's name after the scene's; ``condition``, ``shown``: for the caption; ``kind``: png
-    or,
-    for an animation, gif.
+    or, for an animation, gif.
     """
 
     end: str

@@ -1,8 +1,7 @@
 """Scenes of tactile pins under a finger: what a display is sent, drive period by drive period.
 
 Kinds: ``free`` and ``contact`` (a steady drive of each frequency, without and with a finger), ``burst`` (on
-and
-off in turn), ``letter`` (a letter that crosses the pins), ``touch`` (what two sensors feel, on the pins).
+and off in turn), ``letter`` (a letter that crosses the pins), ``touch`` (what two sensors feel, on the pins).
 """
 
 from dataclasses import dataclass, replace

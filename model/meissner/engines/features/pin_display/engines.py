@@ -1,6 +1,5 @@
 """``pin_display(frames, size, settings)``: a Shown of frames [periods, pins], each complete before the drive
-period
-that it is for.
+period that it is for.
 
 ``size``: DisplaySize; ``settings``: DisplaySettings. The first period is silent: the drive begins.
 """
@@ -15,8 +14,7 @@ from meissner.twins.actuate.pin_display import PHASE_BITS, DisplaySettings, Disp
 
 class Shown(NamedTuple):
     """``levels`` [periods, pins] driven; ``start`` [periods]: clocks from the first period's beginning to
-    each;
-    ``limited`` [periods]: pins that a limit keeps off."""
+    each; ``limited`` [periods]: pins that a limit keeps off."""
 
     levels: Ints
     start: Ints | Floats
