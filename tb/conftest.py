@@ -154,7 +154,8 @@ BIG = [
 
 
 def left_alone(items):
-    """Files of ``items`` none of whose builds `make test` runs, except those that need a package of their own."""
+    """Files of ``items`` none of whose builds `make test` runs, but for those that need a package of their
+    own."""
     builds = {}
     for item in items:
         if shared_builds.calls_run(item.function) and "importorskip" not in item.function.__code__.co_names:
