@@ -39,6 +39,8 @@ def items():
     yield 4500, p.SLIP, p.slip_event(65535, (1 << 24) - 1, 3)
     yield 4510, p.CHANGE, p.state_change(7, 0x30201, 4, 3, True)
     yield 4520, p.STATES, p.states([1, 0, 3])[0]
+    yield 4530, p.CLASS, p.class_change(2, 65535, 99_000)
+    yield 4540, p.CLASS, p.class_change(65534, 2, (1 << 32) - 1)
     yield 4600, p.HEALTH, p.health((1 << 24) - 1, 255)
     yield 4700, p.STATISTIC, p.statistic(255, (1 << 32) - 1)
 
@@ -70,7 +72,7 @@ GAP = packets.Gap("the cable was out", 1.5)
 def test_everything_is_in_the_log(tmp_path, kind):
     more = [GAP, packets.States(4530, None, 300, (2, 4))]
     kept = logged(tmp_path / f"a.{kind}", units.Units(newtons_per_code=0.25), more)
-    assert len(kept) == 14
+    assert len(kept) == 16
     found = log.read(tmp_path / f"a.{kind}")
     cop = engines.process_cop(FRAMES, "fixed")
     assert np.array_equal(found["image"], FRAMES) and found["image"].dtype == np.uint16
@@ -81,7 +83,8 @@ def test_everything_is_in_the_log(tmp_path, kind):
     one = {
         name: found[name].tolist()
         for name in found
-        if name.split("_")[0] in ("slip", "change", "state", "health", "statistics") and "_ns" not in name
+        if name.split("_")[0] in ("slip", "change", "state", "class", "health", "statistics")
+        and "_ns" not in name
     }
     assert one == {
         **{"slip_time": [4500], "slip_channel": [65535], "slip_state": [3], "slip_p2p": [(1 << 24) - 1]},
@@ -91,6 +94,8 @@ def test_everything_is_in_the_log(tmp_path, kind):
         **{"change_start": [True, False]},
         **{"state_time": [4520] * 3 + [4530] * 2, "state_channel": [0, 1, 2, 300, 301]},
         **{"state_state": [1, 0, 3, 2, 4]},
+        **{"class_time": [4530, 4540], "class_label": [2, 65534], "class_before": [65535, 2]},
+        "class_votes": [99_000, (1 << 32) - 1],
         **{"health_time": [4600], "health_taxel": [(1 << 24) - 1], "health_faults": [255]},
         **{"statistics_time": [4700], "statistics_index": [255], "statistics_value": [(1 << 32) - 1]},
     }
@@ -129,6 +134,7 @@ def test_mcap_holds_ros_messages(tmp_path):
         "/tactile/slip": "std_msgs/msg/Int64MultiArray",
         "/tactile/state": "std_msgs/msg/Int64MultiArray",
         "/tactile/states": "std_msgs/msg/Int64MultiArray",
+        "/tactile/class": "std_msgs/msg/Int64MultiArray",
         "/tactile/health": "std_msgs/msg/Int64MultiArray",
         "/tactile/statistics": "std_msgs/msg/Int64MultiArray",
         "/tactile/gap": "std_msgs/msg/String",
@@ -154,6 +160,8 @@ def test_mcap_holds_ros_messages(tmp_path):
         [4510, 7, 4, 3, 0x30201, 1, 0],
     ]
     assert [list(one.data) for one in of["/tactile/states"]] == [[4520, 0, 1, 0, 3]]
+    assert of["/tactile/class"][0].layout.dim[0].label == "ticks,label,before,votes"
+    assert list(of["/tactile/class"][0].data) == [4530, 2, 65535, 99_000]
     slip = of["/tactile/slip"][0]
     assert slip.layout.dim[0].label == "ticks,channel,state,p2p" and list(slip.data) == [
         4500,

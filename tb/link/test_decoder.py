@@ -21,6 +21,7 @@ def payloads(rng):
     yield p.STATISTIC, p.statistic(wide(8), wide(32))
     yield p.CHANGE, p.state_change(wide(16), wide(24), wide(3), wide(3), wide(1))
     yield p.STATES, p.states([wide(3) for _ in range(1 + wide(6))])[0]
+    yield p.CLASS, p.class_change(wide(16), wide(16), wide(32))
     yield p.ANSWER, bytes(rng.bytes(8))
     for payload in p.image_chunks(wide(8), rng.integers(0, 1 << 16, 150).tolist(), 64):
         yield p.IMAGE, payload

@@ -312,7 +312,7 @@ WRITES = [  # of ones, by hand: (address, strobe): (error, pulse or None, pendin
     (0xB2C, 0b0001, False, None, False, 1),  # shear_speed.hold: at once, also while on
     (0xC1C, 0b1110, False, None, False, 0xFFFFFF00),  # forest.data: acts with its lowest byte
     (0xC1C, 0b0001, False, "forest_data_written", False, 0xFFFFFFFF),
-    (0xC30, 0b1010, False, None, False, 0x3F00FF00),  # forest.feature: value in bytes 0 to 2, index in 2 and 3
+    (0xC30, 0b1010, False, None, False, 0x3F00FF00),  # forest.feature: its value's lowest byte acts
     (0xC30, 0b0101, False, "forest_feature_written", False, 0x3FFFFFFF),
 ]
 
