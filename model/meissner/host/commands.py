@@ -1,4 +1,4 @@
-"""``meissner regs``, ``live``, ``log`` and ``replay``."""
+"""``meissner regs``, ``live``, ``log``, ``bridge`` and ``replay``."""
 
 import re
 import signal
@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from meissner import calibration, engines, files
+from meissner.host.stream import beats
 from meissner.terminal import plain
 
 if TYPE_CHECKING:
     from meissner.arrays import Arrays
     from meissner.forest.file import Model
     from meissner.host import Core
-    from meissner.host.packets import Item
     from meissner.host.view import View
 
 
@@ -155,17 +155,18 @@ def regs(arguments: Namespace) -> None:
             print(f"{name:<{width}}  {value:<10} 0x{value & (field.most if field else 0xFFFFFFFF):x}")
 
 
-def web_port(arguments: Namespace) -> int | None:
-    """The port of the page that was asked for, None if none was."""
+def _on_page(arguments: Namespace) -> bool:
+    return bool(arguments.web or arguments.web_port is not None)
+
+
+def _port(arguments: Namespace) -> int:
     from meissner.host import web
 
-    if arguments.web_port is None:
-        return web.PORT if arguments.web else None
-    return int(arguments.web_port)
+    return web.PORT if arguments.web_port is None else int(arguments.web_port)
 
 
 def live(arguments: Namespace) -> None:
-    if arguments.web or arguments.web_port is not None:
+    if _on_page(arguments):
         _live_web(arguments)
         return
     from meissner.host.view import View
@@ -194,7 +195,7 @@ def _live_web(arguments: Namespace) -> None:
         source = web.OfCore(core, arguments.port)
         hear.append(source.say)
         with _stopping(source):
-            web.serve(source, web_port(arguments), arguments.seconds, _print)
+            web.serve(source, _port(arguments), arguments.seconds, _print)
 
 
 @contextmanager
@@ -208,7 +209,7 @@ def shown(scene: Any, arguments: Namespace) -> Iterator[Callable[[Path], None]]:
     with Core(Pipe(pipe, scene.name), pipe.units, say=_tell) as core:
         source = web.OfCore(core, scene.name)
         say = _tell if arguments.json else _print
-        with web.beside(source, web_port(arguments), say) as stay:
+        with web.beside(source, _port(arguments), say) as stay:
 
             def done(out: Path) -> None:
                 say("the page stays, with a link to the report, until Ctrl-C")
@@ -222,30 +223,9 @@ def _print(sentence: str) -> None:
     print(plain(sentence), flush=True)
 
 
-def _beats(core: "Core", seconds: float | None, every_s: float) -> Iterator[tuple["Item | None", bool]]:
-    """Yield (packet, whether ``every_s`` passed again), and (None, True) where no packet came in time."""
-    end = None if seconds is None else time.monotonic() + seconds
-    following = time.monotonic() + every_s
-    while True:
-        now = time.monotonic()
-        left = every_s if end is None else min(every_s, end - now)
-        if left <= 0:
-            return
-        for item in core.packets(min(left, max(0.0, following - now) + 1e-3)):
-            beat = time.monotonic() >= following
-            if beat:
-                following = time.monotonic() + every_s
-            yield item, beat
-        if core.ended:
-            return
-        if time.monotonic() >= following:
-            following = time.monotonic() + every_s
-            yield None, True
-
-
 def _live_lines(core: "Core", view: "View", seconds: float | None, messages: list[str]) -> None:
     view.tick(time.monotonic())
-    for item, beat in _beats(core, seconds, LINE_S):
+    for item, beat in beats(core, seconds, LINE_S):
         line = view.add(item)
         if line:
             print(line, flush=True)
@@ -266,7 +246,7 @@ def _live_picture(core: "Core", view: "View", seconds: float | None, messages: l
     view.tick(time.monotonic())
     ticked = time.monotonic()
     with Live(view.picture(), auto_refresh=False) as shown:
-        for item, beat in _beats(core, seconds, PICTURE_S):
+        for item, beat in beats(core, seconds, PICTURE_S):
             view.add(item)
             while messages:
                 view.messages.append(messages.pop(0))
@@ -314,7 +294,7 @@ def log(arguments: Namespace) -> None:
         log.recording(arguments.out, core) as recording,
     ):
         core.ask_states()
-        for item, beat in _beats(core, arguments.seconds, log.FLUSH_S):
+        for item, beat in beats(core, arguments.seconds, log.FLUSH_S):
             if item is not None:
                 recording.add(item)
             if isinstance(item, Gap):
@@ -336,24 +316,37 @@ def log(arguments: Namespace) -> None:
     )
 
 
+def bridge_dds(arguments: Namespace) -> None:
+    from meissner.host import dds_bridge
+
+    with _connect(arguments, False if arguments.listen else None) as core, _stopping(core):
+        dds_bridge.run(core, arguments.seconds, arguments.domain, _tell)
+
+
+def bridge_foxglove(arguments: Namespace) -> None:
+    from meissner.host import foxglove_bridge
+
+    with _connect(arguments, False if arguments.listen else None) as core, _stopping(core):
+        foxglove_bridge.run(core, arguments.seconds, arguments.listen_on, _tell)
+
+
 def replay(arguments: Namespace) -> None:
     from meissner.host import log
 
     engines.load(arguments.engine)
-    port = web_port(arguments)
-    if port is None and arguments.out is None:
+    if arguments.out is None and not _on_page(arguments):
         raise ValueError("replay writes to --out OUT.npz, or shows the log on a page (--web)")
     found = log.read(arguments.log)
     if arguments.min_load is not None and arguments.min_load < 0:
         raise ValueError(f"min-load = {arguments.min_load} must not be negative")
     if arguments.out is not None:
         _compare(arguments, found)
-    if port is not None:
+    if _on_page(arguments):
         from meissner.host import web
 
         source = web.OfLog(found, arguments.log)
         with _stopping(source):
-            web.serve(source, port, None, _print)
+            web.serve(source, _port(arguments), None, _print)
 
 
 def _compare(arguments: Namespace, found: "Arrays") -> None:
