@@ -106,6 +106,11 @@ REFUSED = {
     "rate": (lambda rng: p2p(rng, 1200, "exponential"), "too short to promise 1 false alarms an hour: 36 s"),
     "drift": (lambda rng: p2p(rng, 8000, "exponential") + np.arange(8000) // 400, "no quiet hold"),
     "memory": (lambda rng: p2p(rng, 1500, "memory"), "correlated over"),
+    "still": (lambda rng: np.zeros(9000, int), "never moves"),
+    "one slip": (
+        lambda rng: p2p(rng, 9000, "normal") + 700 * (np.arange(9000) == 4000),
+        r"no quiet hold: p2p at 25\.600 s is 7\d\d codes",
+    ),
     "two kinds": (
         lambda rng: np.where(np.arange(20_000) % 1000 < 500, 20, 90) + p2p(rng, 20_000, "normal"),
         "correlated over|no extreme-value law",
