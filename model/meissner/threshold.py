@@ -91,8 +91,9 @@ class Law:
             return chance >= 1
         return self._profile(threshold, chance) > chi2.ppf(CONFIDENCE, 1)
 
-    def interval(self, threshold):
-        """(lowest, highest) alarms an hour above ``threshold`` that the recording is compatible with."""
+    def interval(self, threshold, within=0.001):
+        """(lowest, highest) alarms an hour above ``threshold`` that the recording is compatible with; each end
+        at most a share ``within`` too far out."""
         from scipy.stats import chi2
 
         limit, rate = chi2.ppf(CONFIDENCE, 1), self.rate(threshold)
@@ -101,7 +102,7 @@ class Law:
         for outside in (1e-12, 1 - 1e-9):
             inner, outer = np.log([best, outside])
             if self._profile(threshold, outside) > limit:
-                while abs(outer - inner) > 0.005:  # of a rate: 0.5 %, rounded outwards
+                while abs(outer - inner) > within:
                     middle = (inner + outer) / 2
                     far = self._profile(threshold, np.exp(middle)) > limit
                     inner, outer = (inner, middle) if far else (middle, outer)
@@ -359,7 +360,7 @@ def draw(path, law, threshold, per_hour, slips=None, scale=""):
     codes = np.arange(int(law.values[0]) - 1, last + 1)
     counted = [law.per_hour((law.counts[law.values > code].sum()) / law.blocks) for code in codes]
     some = np.unique(np.linspace(codes[0], codes[-1], 9).round().astype(int))
-    ends = np.array([law.interval(code) for code in some])
+    ends = np.array([law.interval(code, 0.05) for code in some])
     floor = per_hour / 100
     axes.fill_between(some, np.maximum(ends[:, 0], floor), ends[:, 1], alpha=0.25, label="95 % interval")
     axes.semilogy(codes, [law.rate(code) or np.nan for code in codes], label="extreme-value law")
