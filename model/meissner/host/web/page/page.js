@@ -81,7 +81,10 @@ export const page = {
   states: new Steps(),         // by channel: {state, p2p}
   registers: new Steps(),
   events: [], health: new Map(), statistics: new Map(), counts: {}, status: {}, dropped: 0,
-  get from() { return this.view.to - this.view.span; },
+  get from() {  // in the first seconds, what there is
+    const {to, span, paused} = this.view;
+    return paused ? to - span : Math.max(to - span, Math.min(0, to - 1));
+  },
   get to() { return this.view.to; },
 };
 
@@ -270,6 +273,7 @@ export function show(from, to) {  // look at a part of the past
 }
 const oldest = () => Math.max(0, page.newest - KEPT_S);
 function scrollTo(to) {
+  if (!page.view.paused) page.view.span = to - page.from;
   page.view.paused = true;
   page.view.to = Math.min(page.newest, Math.max(oldest() + page.view.span, to));
 }
