@@ -113,6 +113,7 @@ def test_the_packets_of_a_log_are_those_that_were_logged(tmp_path, kind):
     writer.tell({"clk_khz": 1000})
     given = [
         *ITEMS,
+        replace(ITEMS[5], first=9),  # two packets of one clock
         packets.Reset(1, 5),
         replace(ITEMS[6], boot=1),
         replace(ITEMS[3], time=10, time_s=1e-5, boot=1),
