@@ -16,7 +16,7 @@ export PYTHONUTF8 := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: again help setup demo live picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures clean
+.PHONY: again help setup demo live picture test test-long lint registers blocks synth wiring resources gate gate-scenes fmax figures clean
 .PHONY: docs gallery wasm nightly extremes test-icarus
 
 help:  ## print this list
@@ -91,6 +91,9 @@ blocks: $(SIM)  ## write docs/blocks.md from the headers of the sources, and the
 
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
 	@$(BIN)/python tools/make/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))
+
+wiring: $(SIM)  ## draw how every named configuration is wired on every board: docs/wiring/
+	@$(BIN)/python tools/make/wiring.py
 
 resources: $(SYNTH)  ## constraints/resources.json: every board with every configuration, three seeds each
 	@$(BIN)/python tools/make/synth.py --record

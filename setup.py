@@ -14,7 +14,7 @@ class WithSources(build_py):
     def run(self):
         super().run()
         if not self.editable_mode:
-            for folder in ("rtl", "constraints", "host"):
+            for folder in ("rtl", "constraints", "host", "ros2"):
                 into = Path(self.build_lib) / "meissner/sources" / folder
                 shutil.copytree(Path(__file__).parent / folder, into, dirs_exist_ok=True)
 

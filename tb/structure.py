@@ -24,7 +24,7 @@ LAYERS = [
     *("forest", "sense", "builds", "engines"),
     *("forest.forest", "forest.reduce", "forest.command", "forest.process"),
     *("rope", "report", "scenes", "run"),
-    *("host", "budget", "tradeoff", "process", "threshold", "parser", "cli"),
+    *("host", "budget", "tradeoff", "process", "threshold", "parser", "completion", "cli"),
 ]
 
 

@@ -3,7 +3,7 @@ NumPy or SciPy; ``call`` names the function that does the work, "module:function
 
 import argparse
 
-from meissner.names import EVERY, NAMES, PICTURE
+from meissner.names import DISTRIBUTION, EVERY, NAMES, PICTURE
 from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
@@ -12,7 +12,26 @@ PLANTED = "a file that `meissner export-forest` wrote, to write into the core fi
 CONFIG = "the core's configuration, for physical units: a name or a TOML file"
 
 
+class _Version(argparse.Action):
+    """--version; what reads the version is imported only then."""
+
+    def __init__(self, *names, **more):
+        super().__init__(*names, nargs=0, **more)
+
+    def __call__(self, parser, *_):
+        from importlib.metadata import version
+
+        print(f"meissner {version(DISTRIBUTION)}")
+        parser.exit()
+
+
 class _Parser(argparse.ArgumentParser):
+    """``example``: a whole command line, which the tests run (tb/cli/test_examples.py)."""
+
+    def __init__(self, *given, example=None, **more):
+        more["epilog"] = f"example: meissner {example}" if example else None
+        super().__init__(*given, formatter_class=argparse.RawDescriptionHelpFormatter, **more)
+
     def error(self, message):
         self.exit(2, f"{self.prog}: {plain(message)} (see {self.prog} --help)\n")
 
@@ -41,7 +60,7 @@ def _shape(text):
     return int(rows), int(columns)
 
 
-def _reading(parser, shape=False, rate=False):
+def _reading(parser, shape=False, rate=False, config=False):
     """What a recording does not say, or says of several things (docs/own_recordings.md)."""
     parser.add_argument(
         "--column",
@@ -57,6 +76,8 @@ def _reading(parser, shape=False, rate=False):
         parser.add_argument(
             "--rate", type=float, metavar="HZ", help="samples per second of each channel (the file's)"
         )
+    if config:
+        parser.add_argument("--config", metavar="FILE", help="of the array: its converter and its shape")
     if shape:
         parser.add_argument(
             "--shape", type=_shape, metavar="RxC", help="taxels of an array whose columns are channels, 3x4"
@@ -79,6 +100,7 @@ RECORDING = "a recording: CSV, npy, npz, wav, mat, sr, mcap, h5, tdms, bag (docs
 def parser():
     """The parser of every command."""
     top = _Parser(prog="meissner", description="Slip, pressure and grip from a tactile sensor's ADC pins.")
+    top.add_argument("--version", action=_Version, help="print the version and exit")
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     _run(commands)
     _process(commands)
@@ -91,14 +113,19 @@ def parser():
     _threshold(commands)
     _forest(commands)
     _config(commands)
+    _bench(commands)
     return top
 
 
 def _run(commands):
-    listing = commands.add_parser("scenes", help="list the scenes, one line each")
+    listing = commands.add_parser("scenes", help="list the scenes, one line each", example="scenes")
     listing.set_defaults(call="meissner.cli:scenes")
 
-    run = commands.add_parser("run", help="run a scene: physics, converter, core, report")
+    run = commands.add_parser(
+        "run",
+        help="run a scene: physics, converter, core, report",
+        example="run walk_25x5 --out results/walk",
+    )
     run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists, or a TOML file")
     run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     _out(run, "DIR", "folder for the results (build/run/SCENE)", holds="summary.json")
@@ -114,7 +141,11 @@ def _run(commands):
 
     scene = commands.add_parser("scene", help="check a scene and explain why it needs each part")
     actions = scene.add_subparsers(dest="action", required=True, metavar="ACTION")
-    check = actions.add_parser("check", help="report what is wrong with a scene, or why it needs each part")
+    check = actions.add_parser(
+        "check",
+        help="report what is wrong with a scene, or why it needs each part",
+        example="scene check cop_slip",
+    )
     check.add_argument("scene", metavar="SCENE", help="a name, or a TOML file")
     check.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     check.set_defaults(call="meissner.cli:check_scene")
@@ -126,7 +157,7 @@ def _process(commands):
     slip = parts.add_parser(
         "slip",
         help="slip per window from samples [samples] or [channels, samples]",
-        epilog="example: meissner process slip own.csv --config mine.toml --out OUT.npz",
+        example="process slip IN.npy --rate 10000 --threshold 40 --out SLIP.npz",
     )
     slip.add_argument("input", metavar="IN", help=RECORDING)
     _slip_settings(slip, threshold=True)
@@ -139,9 +170,13 @@ def _process(commands):
     _out(slip, "OUT.npz", "output file, .npz or .csv", required=True)
     slip.set_defaults(call="meissner.process:slip")
 
-    cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
+    cop = parts.add_parser(
+        "cop",
+        help="centre of pressure and load from forces [frames, rows, columns]",
+        example="process cop FRAMES.npy --out COP.npz",
+    )
     cop.add_argument("input", metavar="IN", help="forces, 0 to 65535; codes with --calibration; " + RECORDING)
-    _reading(cop, shape=True)
+    _reading(cop, shape=True, config=True)
     cop.add_argument("--min-load", type=int, default=1, help="minimum sum of forces for a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="a file that `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
@@ -149,7 +184,11 @@ def _process(commands):
     _out(cop, "OUT.npz", "output file, .npz or .csv", required=True)
     cop.set_defaults(call="meissner.process:cop")
 
-    cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
+    cop4 = parts.add_parser(
+        "cop4",
+        help="centre of pressure and load from four electrodes [samples, 4]",
+        example="process cop4 E1_E4.npy --config cop4 --out COP4.npz",
+    )
     cop4.add_argument("input", metavar="IN", help="codes or volts of E1 to E4, a column each; " + RECORDING)
     _reading(cop4)
     cop4.add_argument(
@@ -160,11 +199,19 @@ def _process(commands):
     _out(cop4, "OUT.npz", "output file, .npz or .csv", required=True)
     cop4.set_defaults(call="meissner.process:cop4")
 
-    rope = parts.add_parser("rope", help="slip of each frame by a forest, from samples [samples, channels]")
+    rope = parts.add_parser(
+        "rope",
+        help="slip of each frame by a forest, from samples [samples, channels]",
+        example="process rope ROPE.npy --forest F.json --out ROPE.npz",
+    )
     rope.add_argument("input", metavar="IN", help="codes, a column for each channel; " + RECORDING)
     _reading(rope)
     rope.set_defaults(call="meissner.rope.process:rope")
-    forest = parts.add_parser("forest", help="class of each row of features [rows, features] by a forest")
+    forest = parts.add_parser(
+        "forest",
+        help="class of each row of features [rows, features] by a forest",
+        example="process forest X.csv --forest F.json --out CLASSES.npz",
+    )
     forest.add_argument("input", metavar="X.npy", help="numbers; or .csv, columns by name if it has a header")
     forest.add_argument(
         "--single", action="store_true", help="also count the clocks of each row alone (rtl, gate)"
@@ -181,7 +228,11 @@ def _process(commands):
 
 
 def _host(commands):
-    regs = commands.add_parser("regs", help="registers of a core: all, the named ones, or write NAME=VALUE")
+    regs = commands.add_parser(
+        "regs",
+        help="registers of a core: all, the named ones, or write NAME=VALUE",
+        example="regs /dev/ttyUSB1 slip.threshold=40 slip.hold",
+    )
     regs.add_argument("port", metavar="PORT", help=PORT)
     regs.add_argument(
         "names", metavar="NAME[=VALUE]", nargs="*", help="docs/registers.md; VALUE 40, 0x28, 20mV, 0.5N, 5ms"
@@ -192,7 +243,9 @@ def _host(commands):
     regs.set_defaults(call="meissner.host.commands:regs")
 
     live = commands.add_parser(
-        "live", help="show a core's packets as they arrive: slip, centre of pressure, image"
+        "live",
+        help="show a core's packets as they arrive: slip, centre of pressure, image",
+        example="live /dev/ttyUSB1 --seconds 2",
     )
     _line_arguments(live)
     _web(live, "show them, and set thresholds,")
@@ -201,16 +254,37 @@ def _host(commands):
     log = commands.add_parser(
         "log",
         help="write a core's packets to MCAP (ROS 2) or npz: log PORT --out FILE.mcap",
-        epilog="example: meissner log serial:/dev/ttyUSB0 --out touch.mcap",
+        example="log /dev/ttyUSB1 --seconds 2 --out touch.mcap",
     )
     _line_arguments(log)
     _out(log, "FILE", "a .mcap or a .npz file", required=True)
     log.set_defaults(call="meissner.host.commands:log")
 
+    bridge = commands.add_parser("bridge", help="a core's packets as ROS 2 messages, live, without ROS")
+    to = bridge.add_subparsers(dest="to", required=True, metavar="TO")
+    dds = to.add_parser(
+        "dds",
+        help="to DDS topics that ROS 2 nodes see; experimental (docs/ros2.md)",
+        example="bridge dds /dev/ttyUSB1 --seconds 2",
+    )
+    _line_arguments(dds)
+    dds.add_argument("--domain", type=int, default=0, metavar="N", help="DDS domain, as ROS_DOMAIN_ID (0)")
+    dds.set_defaults(call="meissner.host.commands:bridge_dds")
+    foxglove = to.add_parser(
+        "foxglove",
+        help="to Foxglove or Lichtblick, thresholds as parameters (docs/ros2.md)",
+        example="bridge foxglove /dev/ttyUSB1 --seconds 2 --listen-on 127.0.0.1:8795",
+    )
+    _line_arguments(foxglove)
+    foxglove.add_argument(
+        "--listen-on", default="127.0.0.1:8765", metavar="HOST:PORT", help="of the server (127.0.0.1:8765)"
+    )
+    foxglove.set_defaults(call="meissner.host.commands:bridge_foxglove")
+
     replay = commands.add_parser(
         "replay",
         help="compare an engine's results for a log's images with the core's own: replay LOG --out OUT.npz",
-        epilog="example: meissner replay touch.mcap --out compared.npz",
+        example="replay touch.mcap --out compared.npz",
     )
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")
@@ -244,6 +318,7 @@ def _budget(commands):
         "budget",
         help="latency of a scanned array, term by term; --config: of a build; --cop4: resolution of a "
         "four-wire sensor",
+        example="budget --rows 16 --cols 16 --adc mcp3208",
     )
     parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
     parser.add_argument(
@@ -339,7 +414,9 @@ def _budget(commands):
 
 def _tradeoff(commands):
     parser = commands.add_parser(
-        "tradeoff", help="measure the cost of accuracy: sweeps, Pareto fronts, a report"
+        "tradeoff",
+        help="measure the cost of accuracy: sweeps, Pareto fronts, a report",
+        example="tradeoff --axis divider --quick --out results/tradeoff",
     )
     parser.add_argument("--list", action="store_true", help="the axes, one line each")
     parser.add_argument("--axis", action="append", metavar="NAME", help="only this axis; repeatable (all)")
@@ -357,7 +434,9 @@ def _tradeoff(commands):
 
 def _choose(commands):
     parser = commands.add_parser(
-        "choose", help="choose the cheapest configuration that meets the requirements, as TOML"
+        "choose",
+        help="choose the cheapest configuration that meets the requirements, as TOML",
+        example="choose array --rows 8 --cols 8 --latency 5 --board ulx3s --out chosen.toml",
     )
     parser.add_argument("sensor", metavar="SENSOR", help="channels (rubber), electrodes (four wires), array")
     parser.add_argument("--error", type=float, metavar="PCT", help="largest error in %% (docs/tradeoff.md)")
@@ -388,12 +467,16 @@ def _choose(commands):
 
 
 def _calibrate(commands):
-    parser = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
+    parser = commands.add_parser(
+        "calibrate",
+        help="a straight line per cell from a press recording",
+        example="calibrate PRESS.npz --out CAL.npz",
+    )
     parser.add_argument(
         "recording", metavar="RECORDING", help="arrays codes and force_n; or codes, or columns with one in N"
     )
     parser.add_argument("--force", metavar="FORCE", help="newtons [frames] or [frames, rows, columns]")
-    _reading(parser, shape=True)
+    _reading(parser, shape=True, config=True)
     parser.add_argument(
         "--lsb", type=float, metavar="N", help="newtons per code of force (default: the finest)"
     )
@@ -401,13 +484,20 @@ def _calibrate(commands):
         "--adc-bits", type=int, metavar="B", help="of the converter (default: from codes at its ends)"
     )
     _out(parser, "CAL.npz", "output file of offsets and gains", required=True)
-    parser.set_defaults(call="meissner.calibration:command")
+    parser.set_defaults(call="meissner.process:calibrate")
 
 
 def _fit_rubber(commands):
-    parser = commands.add_parser("fit-rubber", help="k0, k1 and n of a lot of rubber from its shear steps")
+    parser = commands.add_parser(
+        "fit-rubber",
+        help="k0, k1 and n of a lot of rubber from its shear steps",
+        example="fit-rubber SHEAR.csv",
+    )
     parser.add_argument(
         "recording", metavar="RECORDING", help="columns time_s, volts, speed_mm_s (docs/shear.md)"
+    )
+    parser.add_argument(
+        "--column", action="append", metavar="NAMES", help="which those three are: names or numbers from 1"
     )
     parser.add_argument(
         "--codes-per-v",
@@ -423,7 +513,7 @@ def _threshold(commands):
     parser = commands.add_parser(
         "threshold",
         help="thresholds from a quiet hold, and from slips, with the rate of false alarms they promise",
-        epilog="example: meissner threshold quiet.csv slip.csv --config mine.toml",
+        example="threshold QUIET.csv SLIP.csv --config slip1 --per-hour 9 --out THRESHOLD.png",
     )
     parser.add_argument("input", metavar="QUIET", help="a hold in which nothing slips; " + RECORDING)
     parser.add_argument("slips", metavar="SLIP", nargs="?", help="a recording with slips, of the same form")
@@ -438,7 +528,11 @@ def _threshold(commands):
 
 
 def _forest(commands):
-    parser = commands.add_parser("export-forest", help="a trained forest as F.json: scikit-learn's or ONNX's")
+    parser = commands.add_parser(
+        "export-forest",
+        help="a trained forest as F.json: scikit-learn's or ONNX's",
+        example="export-forest MODEL.joblib --trust --integer all --out F.json",
+    )
     parser.add_argument("model", metavar="MODEL", help="a .skops, .onnx or .joblib file (docs/forest.md)")
     parser.add_argument(
         "--trust", action="store_true", help="load a .joblib or pickle file, which runs the code it holds"
@@ -450,7 +544,9 @@ def _forest(commands):
     parser.set_defaults(call="meissner.forest.command:export")
 
     parser = commands.add_parser(
-        "train-rope", help="train a forest on simulated ropes as published, its tables beside the published"
+        "train-rope",
+        help="train a forest on simulated ropes as published, its tables beside the published",
+        example="train-rope --trees 20 --out ROPE.json",
     )
     parser.add_argument("--seed", type=int, default=1, help="of the fingertip, the pulls and the forest (1)")
     parser.add_argument("--trees", type=int, default=400, metavar="N", help="of the forest (400)")
@@ -460,6 +556,7 @@ def _forest(commands):
     parser = commands.add_parser(
         "forest-budget",
         help="block RAMs and clocks of a forest on each board, what a smaller one costs, the best that fits",
+        example="forest-budget F.json",
     )
     parser.add_argument("forest", metavar="F.json", help="a forest (docs/forest.md)")
     parser.add_argument(
@@ -477,14 +574,106 @@ def _forest(commands):
 
 
 def _config(commands):
-    """``meissner config list | check FILE | show FILE``."""
-    config = commands.add_parser("config", help="check a configuration, or show its parameters")
+    """``meissner config list | check FILE | show FILE | new``."""
+    config = commands.add_parser("config", help="write a configuration, check it, or show its parameters")
     actions = config.add_subparsers(dest="action", required=True, metavar="ACTION")
-    listing = actions.add_parser("list", help="the named configurations, one line each")
+    listing = actions.add_parser(
+        "list", help="the named configurations, one line each", example="config list"
+    )
     listing.set_defaults(call="meissner.builds.config:command_list")
-    check = actions.add_parser("check", help="report what is wrong with a file, or that nothing is")
+    check = actions.add_parser(
+        "check", help="report what is wrong with a file, or that nothing is", example="config check fingertip"
+    )
     check.add_argument("file", metavar="FILE", help="a TOML file (docs/config.md), or a name")
     check.set_defaults(call="meissner.builds.config:command_check")
-    show = actions.add_parser("show", help="its RTL parameters and register values")
+    show = actions.add_parser(
+        "show", help="its RTL parameters and register values", example="config show fingertip"
+    )
     show.add_argument("file", metavar="FILE", help="a TOML file, or a name")
     show.set_defaults(call="meissner.builds.config:command_show")
+
+    new = actions.add_parser(
+        "new",
+        help="write a configuration with comments; asks on a terminal for what no option says",
+        example="config new --sensor channels --channels 2 --adc MCP3208 --board icebreaker --out mine.toml",
+    )
+    new.add_argument(
+        "--sensor", metavar="KIND", help="channels (rubber), array (a matrix), electrodes (four wires)"
+    )
+    new.add_argument("--channels", type=int, metavar="N", help="channels: their number (1)")
+    new.add_argument("--rows", type=int, metavar="M", help="array, electrodes: rows of taxels (3, 7)")
+    new.add_argument("--columns", "--cols", type=int, metavar="N", help="the same: columns of taxels (3, 7)")
+    new.add_argument("--adc", metavar="PART", help="converter (MCP3208, for electrodes AD7606)")
+    new.add_argument("--converters", type=int, metavar="N", help="array: converters side by side (1)")
+    new.add_argument(
+        "--volts", type=float, metavar="V", help="full scale of the converter (3.3, or 5 of an AD7606)"
+    )
+    new.add_argument("--rate", metavar="HZ", help="frames a second, or max (10000, of an array max)")
+    new.add_argument(
+        "--board", metavar="BOARD", help="its clock and pins; docs/boards.md (icebreaker, ulx3s)"
+    )
+    _out(new, "FILE.toml", "the file to write", required=True)
+    new.set_defaults(call="meissner.builds.new_config:command")
+
+
+def _bench(commands):
+    """From a bitstream to a core that answers."""
+    wiring = commands.add_parser(
+        "wiring",
+        help="draw how a configuration is wired: sensor, converters with pin numbers, board",
+        example="wiring fingertip --board icebreaker --out wiring.svg",
+    )
+    wiring.add_argument("config", metavar="CONFIG", help="a name or a TOML file")
+    wiring.add_argument("--board", default="ulx3s", metavar="BOARD", help="a board of docs/boards.md (ulx3s)")
+    wiring.add_argument(
+        "--volts",
+        type=float,
+        metavar="V",
+        help="supply of a converter that has one (3.3, as the board's pins)",
+    )
+    wiring.add_argument(
+        "--columns-in",
+        default="amplifier",
+        metavar="W",
+        help="array: each column ends in an amplifier or a resistor",
+    )
+    _out(wiring, "FILE.svg", "the drawing", required=True)
+    wiring.set_defaults(call="meissner.builds.wiring.command:command")
+
+    flash = commands.add_parser(
+        "flash",
+        help="load a bitstream into a board, by openFPGALoader",
+        example="flash icebreaker build/synth/icebreaker-slip1/icebreaker_top.bin",
+    )
+    flash.add_argument("board", metavar="BOARD", help="a board of docs/boards.md")
+    flash.add_argument(
+        "file", metavar="FILE", help="what `make synth` wrote: build/synth/<board>-<config>/..."
+    )
+    flash.add_argument(
+        "--keep",
+        action="store_true",
+        help="into the board's flash, to stay without power (iCEBreaker: always)",
+    )
+    flash.set_defaults(call="meissner.builds.flash:command")
+
+    ports = commands.add_parser(
+        "ports",
+        help="list the serial ports, and the core that answers on each; it only reads",
+        description="A port of a known board is opened, listened to, and a core's description is read: 14 "
+        "bytes for each register, nothing is written. Other ports are asked only if they are named.",
+        example="ports /dev/ttyUSB1",
+    )
+    ports.add_argument("ports", nargs="*", metavar="PORT", help="ask these; also pty:... (default: list all)")
+    ports.add_argument("--baud", type=int, metavar="N", help="only at this rate (3000000, then 1000000)")
+    ports.set_defaults(call="meissner.host.ports:command")
+
+    completion = commands.add_parser(
+        "completion",
+        help="print a script with which a shell completes these commands",
+        description='bash: eval "$(meissner completion bash)" in ~/.bashrc\nzsh: meissner completion zsh > '
+        "_meissner, in a folder of fpath\nfish: meissner completion fish > "
+        "~/.config/fish/completions/meissner.fish",
+        example="completion bash",
+    )
+    completion.add_argument("shell", choices=("bash", "zsh", "fish"), help="bash, zsh or fish")
+    completion.set_defaults(call="meissner.completion:command")

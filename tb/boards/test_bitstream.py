@@ -8,8 +8,9 @@ import pytest
 
 import synth
 from boards import users
-from meissner.builds import bitstream, boards, yowasp
+from meissner.builds import bitstream, boards, config, yowasp
 from meissner.builds.yowasp import ROOT, ToolError
+from meissner.parser import parser
 
 REPORT = {"utilization": {"TRELLIS_COMB": {"used": 11}}, "detailed_net_timings": []}
 
@@ -39,7 +40,8 @@ def test_a_build_takes_its_place_whole_and_one_that_fails_leaves_it(out):
 
 
 def test_each_device_has_its_own_folder(out, monkeypatch, capsys):
-    def build(board, config, device, folder, *_):
+    def build(board, config, device, folder, seeds, patient, limit_s, step):
+        step("packing", f"{folder}/x.log")
         (out.parent.parent / folder / "x.bit").write_text(device)
         return {"device": device, "clk_mhz": 50.0, "mhz_worst": 60, **dict.fromkeys(bitstream.AREA, 0)}
 
@@ -52,7 +54,38 @@ def test_each_device_has_its_own_folder(out, monkeypatch, capsys):
         assert f"bitstream: build/synth/ulx3s-slip1-{device}/ulx3s_top.bit" in said
         assert f"pins: build/synth/ulx3s-slip1-{device}/pins.txt and pins.json" in said
         assert re.search(r"(?m)^adc_cs_n_o +R17 ", said)
+        assert f"ulx3s-slip1-{device}: packing ...\n" in said
     assert [(out / f"ulx3s-slip1-{device}/x.bit").read_text() for device in ("85F", "12F")] == ["85F", "12F"]
+
+
+def test_it_ends_with_what_to_do_next(out, monkeypatch, capsys):
+    """Each command as it stands, with the files that it names; port and rate of this board and build."""
+    result = {"clk_mhz": 24.0, "mhz_worst": 25, **dict.fromkeys(bitstream.AREA, 0)}
+    monkeypatch.setattr(synth, "build", lambda *_: result)
+    monkeypatch.setattr(synth, "ROOT", out.parent.parent)
+    monkeypatch.setattr(synth, "warm_up", lambda: None)
+    synth.main(["icebreaker", "fingertip"])
+    said = capsys.readouterr().out.partition("what next:\n")[2]
+    lines = dict(line.strip().split("  ", 1) for line in said.splitlines())
+    folder = "build/synth/icebreaker-fingertip"
+    assert lines["wire it"].split()[0] == f"{folder}/wiring.svg,"
+    assert (
+        lines["its port"]
+        .strip()
+        .startswith("/dev/ttyUSB1, the second channel of its FT2232H, 3000000 baud; ")
+    )
+    assert "cp host/60-meissner.rules /etc/udev/rules.d/" in lines["once"]
+    flash, live = (lines[key].split() for key in ("load it", "see it"))
+    assert flash == [".venv/bin/meissner", "flash", "icebreaker", f"{folder}/icebreaker_top.bin"]
+    given = parser().parse_args(live[1:])
+    assert (given.command, given.port, given.config) == ("live", "/dev/ttyUSB1", f"{folder}/config.toml")
+    made = config.load(out.parent.parent / folder / "config.toml")  # as the board has it, not the file
+    assert (made.clk_khz, made.link.registers, config.load("fingertip").link.registers) == (
+        24_000,
+        False,
+        True,
+    )
+    assert b"adc_miso_i" in (out / "icebreaker-fingertip/wiring.svg").read_bytes()
 
 
 @pytest.fixture
@@ -78,7 +111,10 @@ def test_a_seed_that_does_not_end_is_passed_over(placed, tmp_path):
     asked, packed, results = placed
     board = boards.BOARDS["orangecrab"]
     results |= {(None, 1): ToolError("no end"), (None, 2): 47.96, (None, 3): 48.04}
-    made = bitstream.build(board, "slip1", None, "x", (1, 2, 3), False, 77)
+    steps = []
+    made = bitstream.build(board, "slip1", None, "x", (1, 2, 3), False, 77, lambda *step: steps.append(step))
+    assert [what.split()[0] for what, _ in steps] == ["synthesis", "place", "place", "place", "packing"]
+    assert steps[2] == ("place and route by nextpnr, seed 2", "stem.2.pnr.log")
     assert asked == [(None, 1, 77), (None, 2, 77), (None, 3, 77)] and packed == ["yowasp-ecppack"]
     assert (made["mhz"], made["clk_mhz"]) == ([47.9, 48.0], 48.0)  # rounded down; 48.0 is enough
     with pytest.raises(ToolError, match="no end"):  # every seed is measured, so each must finish

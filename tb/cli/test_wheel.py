@@ -18,7 +18,7 @@ from packaging.utils import canonicalize_name
 from meissner.builds import toolchain
 from meissner.builds.toolchain import ROOT
 
-SHIPPED = ("model", "rtl", "constraints", "host", "setup.py", "pyproject.toml")
+SHIPPED = ("model", "rtl", "constraints", "host", "ros2", "setup.py", "pyproject.toml")
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,7 @@ def test_it_carries_all_that_the_core_is_made_of(wheel):
         "host/web/page/panels/10_touch.js",
     ):
         assert f"meissner/{name}" in names
-    assert "meissner/sources/host/msg/TactileFrame.msg" in names
+    assert "meissner/sources/ros2/meissner_msgs/msg/TactileFrame.msg" in names
     assert not [name for name in names if "verify" in name or name.startswith("tb")]
 
 
@@ -154,6 +154,8 @@ def test_what_extras_bring_is_asked_for(installed, tmp_path):
         (("export-forest", "in.skops", "--out", "F.json"), "in.skops needs skops: [forest]"),
         (("export-forest", "in.onnx", "--out", "F.json"), "in.onnx needs onnx: [forest]"),
         (("export-forest", "in.pkl", "--trust", "--out", "F.json"), "in.pkl needs scikit-learn: [forest]"),
+        (("bridge", "dds", "sim:walk_25x5"), "the bridge to DDS needs cyclonedds: [dds]"),
+        (("bridge", "foxglove", "sim:walk_25x5"), "the bridge to Foxglove needs foxglove-sdk: [foxglove]"),
         (gate, "the engine gate needs Yosys: `make synth` in a checkout, or [gate]"),
     ):
         done = installed(*command, cwd=tmp_path)

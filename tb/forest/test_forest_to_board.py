@@ -1,5 +1,5 @@
-"""docs/forest_to_board.md: its lines run in their order, with the pins in place of the bitstream, and the RTL in
-place of the board; its classes are scikit-learn's."""
+"""docs/forest_to_board.md: its lines run in their order, with the pins in place of the bitstream, and the RTL
+in place of the board; its classes are scikit-learn's."""
 
 import re
 import subprocess

@@ -15,8 +15,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from meissner import engines, host
 from meissner.builds import units
-from meissner.builds.toolchain import ROOT
-from meissner.host import line, log, packets
+from meissner.host import line, log, packets, stamps
 from meissner.host.replay import changes, differences, replay
 from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import packet as p
@@ -51,7 +50,7 @@ def logged(path, known=None, more=()):
     """Log a simulated core at the time ``NOW``; returns the logged packets."""
     model = SimulatedCore(size=(3, 4), clk_khz=CLK_KHZ)
     with (
-        mock.patch.object(log, "time", STOPPED),
+        mock.patch.object(stamps, "time", STOPPED),
         host.Core(line.Pipe(model), known) as core,
         log.recording(path, core) as recording,
     ):
@@ -104,6 +103,15 @@ def test_everything_is_in_the_log(tmp_path, kind):
     assert list(found["slip_ns"]) == [start + 4500 * 1000]
 
 
+def test_arrays_from_before_some_packets_are_read(tmp_path):
+    logged(tmp_path / "a.npz")
+    arrays = log.read(tmp_path / "a.npz")
+    added = ("reset_", "change_", "state_", "class_")
+    np.savez(tmp_path / "old.npz", **{name: x for name, x in arrays.items() if not name.startswith(added)})
+    found = log.read(tmp_path / "old.npz")
+    assert found.keys() == arrays.keys() and not len(found["class_label"]) and len(found["slip_p2p"]) == 1
+
+
 def test_missing_changes_are_counted_by_hand():
     """Channel 3 goes 0, 1, 2 and, what led there is missing, 4 from 1; channel 5 is first heard of in state
     1, and after a reset begins again."""
@@ -114,72 +122,32 @@ def test_missing_changes_are_counted_by_hand():
     assert changes(found | {"reset_ns": np.array([], int)}) == (6, 2)
 
 
-def test_mcap_holds_ros_messages(tmp_path):
+def test_mcap_ros2_support_reads_a_log(tmp_path):
+    """Its own decoder, with the definitions in the file; test_ros.py has rosbags and the messages."""
     known = units.Units(newtons_per_code=0.25, pitch_mm=2.0)
-    kept = logged(tmp_path / "a.mcap", known, [GAP])
+    logged(tmp_path / "a.mcap", known, [GAP])
     with open(tmp_path / "a.mcap", "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         messages = list(reader.iter_decoded_messages(log_time_order=False))
         assert reader.get_header().profile == "ros2"
-    kinds = {m.channel.topic: m.schema.name for m in messages}
-    assert kinds == {
-        "/tactile/frame": "meissner_msgs/msg/TactileFrame",
-        "/tactile/cop": "geometry_msgs/msg/PointStamped",
-        "/tactile/load": "std_msgs/msg/Float64",
-        "/tactile/slip": "std_msgs/msg/Int64MultiArray",
-        "/tactile/state": "std_msgs/msg/Int64MultiArray",
-        "/tactile/states": "std_msgs/msg/Int64MultiArray",
-        "/tactile/health": "std_msgs/msg/Int64MultiArray",
-        "/tactile/statistics": "std_msgs/msg/Int64MultiArray",
-        "/tactile/gap": "std_msgs/msg/String",
-    }
-    of = {topic: [m.decoded_message for m in messages if m.channel.topic == topic] for topic in kinds}
-    cops = [item for item in kept if isinstance(item, packets.CopFrame)]
-    for cop, point, load in zip(cops, of["/tactile/cop"], of["/tactile/load"], strict=True):
-        assert (point.point.x, point.point.y, point.point.z) == (cop.x_mm / 1e3, cop.y_mm / 1e3, 0)
-        assert load.data == cop.load * 0.25
-        assert point.header.frame_id == "tactile"
-    assert max(abs(cop.x_mm) for cop in cops) <= 3 and any(cop.x_mm for cop in cops)
-    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in of["/tactile/frame"]]
-    assert stamps == [
-        m.log_time for m in (n.message for n in messages if n.channel.topic == "/tactile/frame")
+    of = {}
+    for one in messages:
+        of.setdefault(one.channel.topic, []).append((one.message.log_time, one.decoded_message))
+    for found in of.values():
+        told = [one.header.stamp.sec * 10**9 + one.header.stamp.nanosec for _, one in found]
+        assert told == [at for at, _ in found]
+    images = [one for _, one in of["/tactile/image"]]
+    taxels = [np.frombuffer(one.data, "<u2").reshape(one.height, one.width) for one in images]
+    assert np.array_equal(taxels, FRAMES) and images[0].encoding == "mono16"
+    [slip] = [one for _, one in of["/tactile/slip"]]
+    assert (slip.channel, slip.state_name, slip.p2p, slip.ticks) == (65535, "gross", (1 << 24) - 1, 4500)
+    loads = [one.wrench.force.z for _, one in of["/tactile/wrench"]]
+    assert loads == [0.25 * frame.sum() for frame in FRAMES[:3]]
+    assert [status.name for status in of["/diagnostics"][-1][1].status] == [
+        f"meissner: {name}" for name in ("line", "taxels", "core")
     ]
-    image = [m for m in of["/tactile/frame"] if m.rows][1]
-    assert (image.ticks, image.rows, image.columns, image.has_cop) == (2000, 3, 4, False)
-    assert list(image.taxels) == FRAMES[1].ravel().tolist()
-    states = of["/tactile/state"]
-    assert states[0].layout.dim[0].label == "ticks,channel,state,before,p2p,late,start"
-    assert [list(one.data) for one in states] == [
-        [4500, 65535, 3, 1, (1 << 24) - 1, 0, 1],
-        [4510, 7, 4, 3, 0x30201, 1, 0],
-    ]
-    assert [list(one.data) for one in of["/tactile/states"]] == [[4520, 0, 1, 0, 3]]
-    slip = of["/tactile/slip"][0]
-    assert slip.layout.dim[0].label == "ticks,channel,state,p2p" and list(slip.data) == [
-        4500,
-        65535,
-        3,
-        (1 << 24) - 1,
-    ]
-
-
-def test_without_units_positions_are_of_the_range(tmp_path):
-    kept = logged(tmp_path / "a.mcap")
-    with open(tmp_path / "a.mcap", "rb") as file:
-        reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        points = [m.decoded_message.point for m in reader.iter_decoded_messages(topics=["/tactile/cop"])]
-    cops = [item for item in kept if isinstance(item, packets.CopFrame)]
-    assert [(point.x, point.y) for point in points] == [(cop.x, cop.y) for cop in cops]
-    assert math.isnan(log.read(tmp_path / "a.mcap")["newtons_per_code"])
-
-
-def test_the_message_is_what_the_file_says():
-    """The schema begins with host/msg/TactileFrame.msg unchanged, the file that a ROS package would build."""
-    from meissner.host import ros
-
-    text = ros.definition("meissner_msgs/TactileFrame")
-    assert text.startswith((ROOT / "host/msg/TactileFrame.msg").read_text())
-    assert "MSG: std_msgs/Header" in text and "MSG: builtin_interfaces/Time" in text
+    logged(tmp_path / "b.mcap")
+    assert math.isnan(log.read(tmp_path / "b.mcap")["newtons_per_code"])
 
 
 class Kept:
@@ -197,7 +165,7 @@ class Kept:
 
 
 @pytest.mark.parametrize(
-    "times, reset, stamps",
+    "times, reset, wanted",
     [
         # Reset one hour after its first reset; the reset follows its last packet, and 0 is the reset's time.
         ((3_600_000_000, 5, 25), 1, (0, 1, 5_001, 25_001)),
@@ -205,11 +173,11 @@ class Kept:
         (((1 << 48) - 1, 4, (1 << 48) - 3, 6), None, (0, 5_000, -2_000, 7_000)),
     ],
 )
-def test_stamps_by_hand(times, reset, stamps):
+def test_stamps_by_hand(times, reset, wanted):
     """The time stands still; a clock is 1 us."""
     model, kept = SimulatedCore(clk_khz=CLK_KHZ), Kept()
     core = host.Core(line.Pipe(model), say=lambda _: None)
-    with mock.patch.object(log, "time", STOPPED):
+    with mock.patch.object(stamps, "time", STOPPED):
         recording = log.Log(kept, core)
     for place, at in enumerate(times):
         if place == reset:
@@ -218,11 +186,11 @@ def test_stamps_by_hand(times, reset, stamps):
             (p.HEALTH, p.health(1, 1)) if place == 2 and not reset else (p.STATISTIC, p.statistic(0, 0))
         )
         model.say(kind, at, payload)
-        with mock.patch.object(log, "time", STOPPED):
+        with mock.patch.object(stamps, "time", STOPPED):
             for item in core.packets(0.05):
                 recording.add(item)
     assert core.counts.restarts == (reset is not None)
-    assert kept.stamps == [NOW + stamp for stamp in stamps]
+    assert kept.stamps == [NOW + stamp for stamp in wanted]
 
 
 @pytest.mark.parametrize("name", ["a.npz", "a.mcap"])

@@ -15,16 +15,22 @@ error if no seed meets the clock, if a design does not fit, and in a check if an
 """
 
 import argparse
+import shlex
 import sys
 import time
 import tomllib
+from contextlib import contextmanager
+from pathlib import Path
 
 from meissner.builds import boards
 from meissner.builds import config as configurations
 from meissner.builds.bitstream import AREA, LIMIT_S, OUT, build, label, private
+from meissner.builds.pins import description
+from meissner.builds.wiring.drawing import svg
 from meissner.builds.yowasp import ROOT, ToolError, warm_up
 from meissner.tradeoff.area import BOARDS as RESOURCES
 from meissner.tradeoff.area import recorded
+from meissner.tradeoff.choose import toml
 from meissner.twins.frontend.adc_spi import AdcSpi
 from version import record
 
@@ -190,17 +196,79 @@ def chosen(options):
     return [(board, config, board.plan(config, options.device)) for board, config in pairs]
 
 
+@contextmanager
+def progress(name):
+    """Yield a function of (what begins, its log): a line for each step in a pipe; on a terminal the time and
+    the last line of the log, since a step takes minutes."""
+    if not sys.stderr.isatty():
+        yield lambda what, _: print(f"{name}: {what} ...", flush=True)
+        return
+    from rich.console import Console
+    from rich.progress import Progress, ProgressColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.text import Text
+
+    class Last(ProgressColumn):
+        def render(self, task):
+            return Text(last_line(ROOT / task.fields["log"]), style="dim", no_wrap=True, overflow="ellipsis")
+
+    columns = (SpinnerColumn(), TextColumn(name + ": {task.description}"), TimeElapsedColumn(), Last())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=None, log="")
+        yield lambda what, log: bar.update(task, description=what, log=log)
+
+
+def last_line(log):
+    """The last line so far of a tool's log with something in it."""
+    try:
+        with log.open("rb") as file:
+            file.seek(max(0, log.stat().st_size - 400))
+            lines = file.read().decode("utf-8", "replace").splitlines()
+    except OSError:
+        return ""
+    return next((line.strip() for line in reversed(lines) if line.strip()), "")
+
+
+def beside(board, config, folder):
+    """Write what a user needs beside a bitstream: the drawing, and the configuration as this board has it."""
+    tables = configurations.tables(config, **board.own(config))
+    if "file" in tables.get("forest", {}):  # elsewhere than this file
+        tables["forest"]["file"] = str(Path(tables["forest"]["file"]).resolve())
+    (ROOT / folder / "config.toml").write_text(f"# On the {board.title}.\n{toml(tables)}", "utf-8")
+    (ROOT / folder / "wiring.svg").write_bytes(svg(board, config))
+
+
+def after(board, name):
+    """What to do with the bitstream in build/synth/``name``, line by line."""
+    usb, folder = description(board.name).usb, f"{OUT}/{name}"
+    own = shlex.quote(f"{folder}/{board.top}{board.bitstream}")
+    config = shlex.quote(f"{folder}/config.toml")
+    baud = configurations.load(ROOT / folder / "config.toml").link.baud
+    steps = {
+        "wire it": f"{folder}/wiring.svg, the pins in {folder}/pins.txt",
+        "load it": f".venv/bin/meissner flash {board.name} {own}",
+        "its port": f"{usb['port']}, {usb['about']}, {baud} baud; .venv/bin/meissner ports asks what answers",
+        "once": "sudo cp host/60-meissner.rules /etc/udev/rules.d/ && sudo udevadm control --reload && "
+        "sudo udevadm trigger",
+        "see it": f".venv/bin/meissner live {usb['port']} --config {config} --web",
+    }
+    return [f"  {what:<9} {how}" for what, how in steps.items()]
+
+
 def make(board, config, plan, options):
-    """Build one bitstream and write its pin map next to it."""
+    """Build one bitstream, and print what to do with it."""
     name = "-".join(filter(None, [board.name, boards.label(config), options.device]))
     begin = time.monotonic()
     known = board.device(config)
     if known and not options.device:
         print(f"{name}: for a {known}, the smallest that it fits and is fast enough on", flush=True)
-    with private(name) as folder:
-        result = build(board, config, options.device or known, folder, options.seeds, False, options.limit)
+    with private(name) as folder, progress(name) as step:
+        result = build(
+            board, config, options.device or known, folder, options.seeds, False, options.limit, step
+        )
+        beside(board, config, folder)
     print(f"{tell(name, result)}, {time.monotonic() - begin:.0f} s\n\n{plan.text()}")
     print(f"pins: {OUT}/{name}/pins.txt and pins.json\nbitstream: {OUT}/{name}/{board.top}{board.bitstream}")
+    print("\nwhat next:", *after(board, name), sep="\n")
 
 
 def measure(pairs, options):
@@ -243,6 +311,7 @@ def main(arguments=None):
         board, config, _ = pairs[0]
         folder = f"{OUT}/{board.name}-{boards.label(config)}"
         boards.write_board(folder, board, config)
+        beside(board, config, folder)
         print(f"{folder}/msn_build.svh")
         return
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)

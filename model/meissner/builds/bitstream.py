@@ -9,7 +9,7 @@ import math
 import re
 import shutil
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -21,6 +21,7 @@ OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directo
 LIMIT_S = 1800  # processor time of one place and route; the longest successful one takes a few hundred
 AREA = ("lut", "ff", "bram", "dsp")
 Report = dict[str, Any]  # nextpnr's, as JSON
+Step = Callable[[str, str], object]  # called with what begins and its log, relative to ROOT
 PIN = re.compile(r"adc_(cs_n|sclk|mosi|miso)_")
 
 
@@ -150,6 +151,7 @@ def build(
     seeds: Iterable[int],
     patient: bool,
     limit_s: int = LIMIT_S,
+    step: Step = lambda what, log: None,
 ) -> dict[str, Any]:
     """Build in ``folder``; returns the entry of resources.json for this pair.
 
@@ -167,6 +169,7 @@ def build(
         If no seed meets the clock; TooLarge if the design fits no device.
     """
     clk_mhz = board.parameters(config)["ClkKhz"] / 1000
+    step("synthesis by Yosys", f"{folder}/{board.top}.yosys.log")
     stem, cells = synthesise(board, config, folder)
     mhz: list[float] = []
     delays, packed, failed = [], False, ToolError("there is no seed")
@@ -174,6 +177,7 @@ def build(
         [device] if device or not board.devices else [name for name in board.devices if name != "12F"]
     )
     for seed in seeds:
+        step(f"place and route by nextpnr, seed {seed}", f"{stem}.{seed}.pnr.log")
         try:
             report = _fitting(board, config, sizes, stem, clk_mhz, seed, limit_s)
         except TooLarge:
@@ -188,6 +192,7 @@ def build(
         delays.append(spi_delays(report))
         if mhz[-1] >= clk_mhz and not packed:
             program, *options = board.pack.format(stem=stem).split()
+            step("packing the bitstream", f"{stem}.pack.log")
             tool(program, options, f"{stem}.pack.log")
             packed = True
             if not patient:

@@ -88,10 +88,13 @@ class Board:
         """Settings of that configuration that the board determines, not the file; none for a user's file."""
         return self.configs.get(name, {})
 
+    def own(self, name: str) -> dict[str, Any]:
+        """Those of ``changes`` that meissner.builds.config.load takes."""
+        return {key: v for key, v in self.changes(name).items() if key in ("mhz", "part", "registers")}
+
     def config(self, name: str) -> Config:
         """meissner.builds.build.Config of that name, with this board's settings."""
-        own = ("mhz", "part", "registers")
-        return config.load(name, **{key: v for key, v in self.changes(name).items() if key in own})
+        return config.load(name, **self.own(name))
 
     @property
     def sources(self) -> list[str]:
@@ -120,6 +123,7 @@ def sizes(parameters: dict[str, int], slip_pins: int = 0) -> dict[str, int]:
         "GROUP_BITS": max((pins.groups(parameters) - 1).bit_length(), 1),
     }
     found |= {"SDRAM": 1} if parameters.get("ForestSdram") else {}
+    found |= {"PIN_CHAINS": parameters["PinChains"]} if parameters.get("Display") else {}
     return found | ({"SLIP_PINS": slip_pins} if slip_pins else {})
 
 

@@ -28,6 +28,7 @@ from meissner.physics.adc import Adc as Converter
 from meissner.physics.cop4_config import Cop4Config
 from meissner.tables import exact, naming, values
 from meissner.twins.cop.cop_slip import CopSlipRegisters
+from meissner.twins.frontend.adc_single import AdcSingle
 from meissner.twins.frontend.adc_spi import AdcSpi, Part
 from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.link import cobs, packet
@@ -116,6 +117,42 @@ class Config:
         return round(1000 * self.clk_khz / exact(self.rate_hz))
 
     @property
+    def least_period(self) -> int:
+        """Clocks from a frame to the next one that converter and scan need."""
+        if self.array:
+            return self.scan.latency(self.settle_clocks)["frame"]
+        if self._single:
+            return AdcSingle(
+                0, self.clk_khz, self.adc.sclk_khz or 0, 1 << 24, self.sample_bits
+            ).minimum_period
+        return self.converter.safe_period()
+
+    @property
+    def _single(self) -> bool:
+        """Whether msn_adc_single reads the converter."""
+        return self.serial and self.adc.part == "MCP3208"
+
+    def most_rate_hz(self, least_period: int = 1) -> float:
+        """The greatest rate: of converter and scan, of a line that carries the CoP packet of every frame and
+        an image a second, and of ``least_period`` clocks at least."""
+        clocks = max(self.least_period, least_period)
+        if not isinstance(self.sensor, Channels):
+            room = Fraction(self.link.baud, 10) - (self._image_bytes if self.link.images else 0)
+            if room > 0:
+                clocks = max(clocks, floor(1000 * self.clk_khz * COP_BYTES / room) + 1)
+        return 1000 * self.clk_khz / clocks
+
+    @property
+    def _image_bytes(self) -> int:
+        rows, columns = self.shape
+        return sum(map(line_bytes, packet.image_chunks(0, [0] * (rows * columns))))
+
+    @property
+    def sampled(self) -> str:
+        """What ``rate_hz`` counts, in words."""
+        return "frames" if self.array else "samples of each channel"
+
+    @property
     def _array_adc(self) -> ArrayAdc:
         assert isinstance(self.adc, ArrayAdc)
         return self.adc
@@ -158,6 +195,11 @@ class Config:
         assert isinstance(self.sensor, Sensed)
         falls = self.slip is not None and not self.array and not self.slip.contact_rises
         return self.input, self.sensor, self.sensor.wiring or ("pulled_up" if falls else "pulled_down")
+
+    @property
+    def wiring(self) -> Wiring:
+        """How a sensor of channels or an array is wired."""
+        return self._sensed[2]
 
     @property
     def rails(self) -> input_range.Rails:
@@ -259,7 +301,7 @@ class Config:
             found |= {"Level": slip.level, "Window": slip.window, "Hop": slip.hop}
             found |= {"TimerBits": self.timer_bits, "SampleBits": self.sample_bits}
         if self.serial:
-            found |= {"Serial": 1, "AdcPeriod": self.period_clocks if self.adc.part == "MCP3208" else 0}
+            found |= {"Serial": 1, "AdcPeriod": self.period_clocks if self._single else 0}
         if self.cop4:
             found |= {"Cop4": 1, "Correct": int(self.cop4.terms is not None)}
             found |= {"CopSlip": int(self.cop_slip is not None)}
@@ -316,12 +358,7 @@ class Config:
     def _sensor_fits(self) -> None:
         """ValueError if the converter is too slow or too fast, or a level in codes does not occur."""
         self._codes_occur()
-        if self.array:
-            needed = self.scan.latency(self.settle_clocks)["frame"]
-            what = "a scan"
-        else:
-            needed = self.converter.safe_period()
-            what = "a conversion"
+        needed, what = self.least_period, "a scan" if self.array else "a conversion"
         if self.period_clocks < needed:
             most = 1000 * self.clk_khz / needed
             raise ValueError(
@@ -366,9 +403,8 @@ class Config:
 
     def _images_pass(self) -> None:
         """ValueError if the line has no capacity for one image per second in addition to all CoP frames."""
-        room = self.link.baud / 10 - self.rate_hz * line_bytes(packet.cop_frame(0, 0, 0, 0))
-        rows, columns = self.shape
-        image = sum(map(line_bytes, packet.image_chunks(0, [0] * (rows * columns))))
+        room = self.link.baud / 10 - self.rate_hz * COP_BYTES
+        image = self._image_bytes
         if room < image:
             needed = ceil(10 * (image + self.link.baud / 10 - room))
             raise ValueError(
@@ -380,6 +416,9 @@ class Config:
 def line_bytes(payload: bytes) -> int:
     """Bytes on the line for a packet with this payload."""
     return len(cobs.encode(packet.packet(0, 0, 0, payload)))
+
+
+COP_BYTES = line_bytes(packet.cop_frame(0, 0, 0, 0))
 
 
 def verilog(parameters: dict[str, int]) -> dict[str, str]:

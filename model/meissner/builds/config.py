@@ -32,6 +32,29 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
+def _path(name: str | Path) -> Path:
+    """The file of a named configuration, or ``name`` itself."""
+    path = FOLDER / f"{name}.toml"
+    path = path if path.is_file() else Path(name)
+    if not path.is_file():
+        raise ValueError(f"'{name}' is neither a file nor one of the configurations {', '.join(names())}")
+    return path
+
+
+def tables(
+    name: str | Path, mhz: float | None = None, part: str | None = None, registers: bool | None = None
+) -> dict[str, Any]:
+    """The tables of a build's file, with the clock, converter and registers of a board."""
+    found = parse(_path(name), "a configuration")
+    for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
+        if value is not None and isinstance(found.get(table), dict):
+            found[table] = found[table] | {key: value}
+    forest = found.get("forest")
+    if isinstance(forest, dict) and isinstance(forest.get("file"), str):
+        found["forest"] = forest | {"file": str(_path(name).parent / forest["file"])}
+    return found
+
+
 def load(
     name: str | Path, mhz: float | None = None, part: str | None = None, registers: bool | None = None
 ) -> Config:
@@ -41,32 +64,17 @@ def load(
     ----------
     name : str or Path
         A named configuration, or the path of a TOML file.
-    mhz : float, optional
-        Clock of the board in MHz, in place of the file's.
-    part : str, optional
-        Converter of the board, in place of the file's.
-    registers : bool, optional
-        Whether the board's core has registers, in place of the file's key.
+    mhz, part, registers : optional
+        Of the board, in place of the file's: clock in MHz, converter, whether the core has registers.
 
     Returns
     -------
     Config
         Parameters, settings and units of the build.
     """
-    path = Path(name)
-    if FOLDER.joinpath(f"{name}.toml").is_file():
-        path = FOLDER / f"{name}.toml"
-    if not path.is_file():
-        raise ValueError(f"'{name}' is neither a file nor one of the configurations {', '.join(names())}")
-    tables = parse(path, "a configuration")
-    for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
-        if value is not None and isinstance(tables.get(table), dict):
-            tables[table] = tables[table] | {key: value}
-    forest = tables.get("forest")
-    if isinstance(forest, dict) and isinstance(forest.get("file"), str):
-        tables["forest"] = forest | {"file": str(path.parent / forest["file"])}
+    path, found = _path(name), tables(name, mhz, part, registers)
     try:
-        return read(path.stem, tables)
+        return read(path.stem, found)
     except ValueError as problem:
         raise ValueError(f"{path.name}: {problem}") from None
 
@@ -96,13 +104,17 @@ def read(name: str, tables: dict[str, Any]) -> Config:
         kind = read_table(_Top, tables).sensor.get("kind")
         with naming("[sensor]"):
             one_of("kind", kind, keys.FILES)
-        return _read(name, read_table(keys.FILES[str(kind)], tables))
+        adc = tables.get("adc")
+        fastest = isinstance(adc, dict) and adc.get("rate_hz") == "max"
+        if fastest:
+            tables = tables | {"adc": {**tables["adc"], "rate_hz": 1.0}}
+        return _read(name, read_table(keys.FILES[str(kind)], tables), fastest)
     except (OverflowError, ZeroDivisionError):
         raise ValueError("its numbers lead to an overflow or a division by zero") from None
 
 
-def _read(name: str, file: Any) -> Config:
-    """``file``: one of keys.FILES."""
+def _read(name: str, file: Any, fastest: bool) -> Config:
+    """``file``: one of keys.FILES; ``fastest``: at the greatest rate, whatever the file's is."""
     adc = getattr(file, "adc", keys.UNUSED)
     part, clk_khz = keys.PARTS[adc.part], round(1000 * file.clock.mhz)
     sclk_khz = adc.sclk_khz or part.sclk_default_khz
@@ -114,14 +126,19 @@ def _read(name: str, file: Any) -> Config:
         adc=msgspec.structs.replace(adc, sclk_khz=sclk_khz),
         link=file.link,
         rate_hz=adc.rate_hz,
+        serial=bool(getattr(getattr(file, "slip", None), "serial", False)),
+        array=getattr(file, "array", None),
     )
     with naming("[adc]"):
         limits = base.input
+    if fastest:
+        built = [FEATURES[name] for name in FEATURES if getattr(file, name, None)]
+        clocks = [getattr(feature, "NEEDED_CLOCKS", 1) for feature in built]
+        base = replace(base, rate_hz=base.most_rate_hz(max(clocks, default=1)))
     if isinstance(file, keys.ArrayFile):
         array = file.array
         base = replace(
             base,
-            array=array,
             min_load_n=file.cop.min_load_n,
             health=_filled(file.health or keys.Health(), _health(limits, base.rate_hz))
             if array.health
@@ -148,7 +165,7 @@ def _read(name: str, file: Any) -> Config:
                 base = replace(base, cop_slip=file.cop_slip.codes(base.rate_hz, cop4.load_lsb_n))
     if getattr(file, "slip", None):
         with naming("[slip]"):
-            base = replace(base, serial=file.slip.serial, slip=file.slip.codes(base.units))
+            base = replace(base, slip=file.slip.codes(base.units))
     features = {}
     for feature, module in FEATURES.items():
         given = getattr(file, feature, None)
@@ -189,7 +206,10 @@ def command_check(arguments: Namespace) -> None:
 
 def command_show(arguments: Namespace) -> None:
     config = load(arguments.file)
-    print(f"{plain(config.name)}: {plain(config.about)}\n\nparameters of msn_core")
+    print(f"{plain(config.name)}: {plain(config.about)}")
+    if config.units.rate_hz:
+        print(f"{config.rate_hz:.7g} {config.sampled} a second")
+    print("\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")
     print("\nregisters after reset")

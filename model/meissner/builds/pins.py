@@ -25,7 +25,8 @@ class Description:
     """A board's pins. ``leds``: {port: {"pin": its pin, "shows": an expression of the top's signals}};
     ``headers``: {label: pin}, in the order of assignment; ``prefer``: {role: labels}; ``onboard``: lines of
     its own converter; ``sdram``: {line of rtl/forest/msn_sdram.sv: pin, or pins from bit 0 on};
-    ``pulls``: {role: pull}; ``inverted``: inputs that idle high on this board.
+    ``pulls``: {role: pull}; ``inverted``: inputs that idle high on this board; ``usb``: how it is loaded and
+    where its serial line appears; ``power``: {supply: where it is}.
     """
 
     name: str
@@ -36,6 +37,8 @@ class Description:
     headers: dict[str, str]
     prefer: dict[str, list[str]]
     pulls: dict[str, str]
+    usb: dict[str, Any]
+    power: dict[str, str]
     onboard: dict[str, Any] = field(default_factory=dict)
     sdram: dict[str, Any] = field(default_factory=dict)
     inverted: tuple[str, ...] = ()
@@ -188,18 +191,28 @@ def groups(parameters: dict[str, int]) -> int:
     return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * _inputs(parameters)))
 
 
-def columns(parameters: dict[str, int]) -> list[str]:
-    """A line for each converter of an array: the columns on its inputs, group by group (docs/scan.md)."""
+def places(parameters: dict[str, int]) -> list[list[list[int | None]]]:
+    """The column on each input of each converter of an array [converter][group][input], None: no column
+    (docs/scan.md)."""
     converters, inputs = parameters.get("Converters", 1), _inputs(parameters)
-    lines = []
-    for k in range(converters if parameters.get("Array") else 0):
-        places = [
-            [(group * inputs + channel) * converters + k for channel in range(inputs)]
+    return [
+        [
+            [
+                n if (n := (group * inputs + channel) * converters + k) < parameters["Columns"] else None
+                for channel in range(inputs)
+            ]
             for group in range(groups(parameters))
         ]
-        read = [[str(n) if n < parameters["Columns"] else "-" for n in group] for group in places]
-        told = " | ".join(" ".join(group) for group in read)
-        lines.append(f"converter {k}, inputs 0 to {inputs - 1}: columns {told}")
+        for k in range(converters if parameters.get("Array") else 0)
+    ]
+
+
+def columns(parameters: dict[str, int]) -> list[str]:
+    """A line for each converter of an array: the columns on its inputs, group by group."""
+    lines = []
+    for k, read in enumerate(places(parameters)):
+        told = " | ".join(" ".join("-" if n is None else str(n) for n in group) for group in read)
+        lines.append(f"converter {k}, inputs 0 to {len(read[0]) - 1}: columns {told}")
     return lines
 
 
@@ -211,7 +224,26 @@ def needs(board: Description, parameters: dict[str, int], slip_pins: int = 0) ->
     pulses = [Need("pwm", "pwm_o", 1, ("pulses for the hand",))] if parameters.get("Grip") else []
     slips = tuple(f"high while channel {k} slips" for k in range(slip_pins))
     each = [Need("slip_each", "slip_each_o", slip_pins, slips)] if slip_pins else []
-    return [*_lines(parameters), moving, *pulses, *each]
+    return [*_lines(parameters), moving, *pulses, *each, *_display(parameters)]
+
+
+def _display(parameters: dict[str, int]) -> list[Need]:
+    """The lines of a tactile display's drivers; all chains share all but the data."""
+    if not parameters.get("Display"):
+        return []
+    chains = parameters["PinChains"]
+    data = tuple(f"DIOA of the first driver of chain {k}" for k in range(chains))
+    rest = {
+        "clk": "CLK",
+        "le": "LE",
+        "bl": "BL, with a pull-down",
+        "pol": "POL, with a pull-up",
+        "dir": "DIR",
+    }
+    lines = [
+        Need(f"hv_{name}", f"hv_{name}_o", 1, (f"{what}, of all drivers",)) for name, what in rest.items()
+    ]
+    return [Need("hv_data", "hv_data_o", chains, data), *lines]
 
 
 def _lines(parameters: dict[str, int]) -> list[Need]:

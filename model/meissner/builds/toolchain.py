@@ -12,9 +12,11 @@ import threading
 from functools import cache
 from pathlib import Path
 
+from meissner.names import DISTRIBUTION
+
 PACKAGE = Path(__file__).resolve().parents[1]
 CHECKOUT = (PACKAGE.parents[1] / "rtl/rtl.f").is_file()
-# The top of a checkout; else the package's folder with rtl/, constraints/ and host/ (setup.py).
+# The top of a checkout; else the package's folder with rtl/, constraints/, host/ and ros2/ (setup.py).
 ROOT = PACKAGE.parents[1] if CHECKOUT else PACKAGE / "sources"
 
 
@@ -30,7 +32,7 @@ def _build() -> Path:
         return ROOT / "build"
     from importlib.metadata import version
 
-    return _user_cache() / version("meissner")
+    return _user_cache() / version(DISTRIBUTION)
 
 
 BUILD = _build()

@@ -1,4 +1,4 @@
-"""``meissner regs``, ``live``, ``log`` and ``replay``."""
+"""``meissner regs``, ``live``, ``log``, ``bridge`` and ``replay``."""
 
 import re
 import signal
@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from meissner import calibration, engines, files
+from meissner.host.stream import beats
 from meissner.terminal import plain
 
 if TYPE_CHECKING:
     from meissner.arrays import Arrays
     from meissner.forest.file import Model
     from meissner.host import Core
-    from meissner.host.packets import Item
     from meissner.host.view import View
 
 
@@ -223,30 +223,9 @@ def _print(sentence: str) -> None:
     print(plain(sentence), flush=True)
 
 
-def _beats(core: "Core", seconds: float | None, every_s: float) -> Iterator[tuple["Item | None", bool]]:
-    """Yield (packet, whether ``every_s`` passed again), and (None, True) where no packet came in time."""
-    end = None if seconds is None else time.monotonic() + seconds
-    following = time.monotonic() + every_s
-    while True:
-        now = time.monotonic()
-        left = every_s if end is None else min(every_s, end - now)
-        if left <= 0:
-            return
-        for item in core.packets(min(left, max(0.0, following - now) + 1e-3)):
-            beat = time.monotonic() >= following
-            if beat:
-                following = time.monotonic() + every_s
-            yield item, beat
-        if core.ended:
-            return
-        if time.monotonic() >= following:
-            following = time.monotonic() + every_s
-            yield None, True
-
-
 def _live_lines(core: "Core", view: "View", seconds: float | None, messages: list[str]) -> None:
     view.tick(time.monotonic())
-    for item, beat in _beats(core, seconds, LINE_S):
+    for item, beat in beats(core, seconds, LINE_S):
         line = view.add(item)
         if line:
             print(line, flush=True)
@@ -267,7 +246,7 @@ def _live_picture(core: "Core", view: "View", seconds: float | None, messages: l
     view.tick(time.monotonic())
     ticked = time.monotonic()
     with Live(view.picture(), auto_refresh=False) as shown:
-        for item, beat in _beats(core, seconds, PICTURE_S):
+        for item, beat in beats(core, seconds, PICTURE_S):
             view.add(item)
             while messages:
                 view.messages.append(messages.pop(0))
@@ -315,7 +294,7 @@ def log(arguments: Namespace) -> None:
         log.recording(arguments.out, core) as recording,
     ):
         core.ask_states()
-        for item, beat in _beats(core, arguments.seconds, log.FLUSH_S):
+        for item, beat in beats(core, arguments.seconds, log.FLUSH_S):
             if item is not None:
                 recording.add(item)
             if isinstance(item, Gap):
@@ -335,6 +314,20 @@ def log(arguments: Namespace) -> None:
         f"{counts.images_lost} images lost, {''.join(f'{count} {what}, ' for count, what in more if count)}"
         f"{counts.gaps} gaps ({counts.gap_s:.1f} s); {plain(arguments.out)}"
     )
+
+
+def bridge_dds(arguments: Namespace) -> None:
+    from meissner.host import dds_bridge
+
+    with _connect(arguments, False if arguments.listen else None) as core, _stopping(core):
+        dds_bridge.run(core, arguments.seconds, arguments.domain, _tell)
+
+
+def bridge_foxglove(arguments: Namespace) -> None:
+    from meissner.host import foxglove_bridge
+
+    with _connect(arguments, False if arguments.listen else None) as core, _stopping(core):
+        foxglove_bridge.run(core, arguments.seconds, arguments.listen_on, _tell)
 
 
 def replay(arguments: Namespace) -> None:

@@ -9,12 +9,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Self
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from meissner.builds.units import Units
 from meissner.host import names
 from meissner.host.boots import Boots
 from meissner.host.line import Ended, Gone, Line
 from meissner.host.names import Place
 from meissner.host.packets import Assembler, Gap, Item
+from meissner.twins.actuate import display
 from meissner.twins.link import bridge
 from meissner.twins.link import packet as p
 from meissner.twins.link.decoder import Decoder, Packet
@@ -96,7 +100,7 @@ class Core:
         self.after_reset: Callable[[], object] = lambda: None  # called when the settings are written again
         if registers:
             try:
-                self._identify()
+                self.identify()
                 self._waiting.clear()  # packets from before the units were known
                 self._resets = self.counts.restarts = 0
                 self["core.scratch"] = random.randrange(1, 1 << 32)  # a reset clears it: see _greet
@@ -120,7 +124,7 @@ class Core:
         """Clocks since the core's reset, as it last reported them; 0 before the first report."""
         return self._newest
 
-    def _identify(self) -> None:
+    def identify(self) -> None:
         """Read ID, VERSION, FEATURES, SIZE, clock, widths; Refused in one sentence if the core is another."""
         name = self.line.name
         found = self._ask(bridge.READ, names.place("core.id"))
@@ -160,6 +164,11 @@ class Core:
         return place
 
     @property
+    def interrupted(self) -> str:
+        """Why the line is interrupted now; "" if it is not."""
+        return self._reason if self._down is not None else ""
+
+    @property
     def ended(self) -> bool:
         """No more packets will come: the file has ended, or ``stop`` was called."""
         return self._ended and not self._waiting
@@ -189,6 +198,23 @@ class Core:
                 raise ValueError(f"{name} can only be read")
             place.into(0, value, self.build)
         return place
+
+    def show(self, levels: ArrayLike) -> None:
+        """A frame of pin levels [rows, columns], 0 .. 255, on a core's display with ``display.source`` = 1.
+
+        Raises
+        ------
+        ValueError
+            If the display has another size, or a level is out of range.
+        """
+        found = np.asarray(levels)
+        size = tuple(self[f"display.size.{side}"] for side in ("rows", "columns"))
+        if found.shape != size:
+            raise ValueError(
+                f"a frame of {found.shape} does not fit the display: it has {size[0]} x {size[1]} pins"
+            )
+        for word in display.words(found):
+            self["display.levels"] = word
 
     def __getitem__(self, name: str) -> int:
         place = self._place(name)
@@ -491,9 +517,9 @@ class Core:
                 self._take(packet)
 
     def _greet(self) -> bool:
-        """``_identify`` on a line just opened again; returns whether the core was reset meanwhile."""
+        """``identify`` on a line just opened again; returns whether the core was reset meanwhile."""
         with self.impatient():
-            self._identify()
+            self.identify()
             scratch = names.place("core.scratch")
             return scratch.address in self._written and (
                 self._ask(bridge.READ, scratch) != self._written[scratch.address][1]

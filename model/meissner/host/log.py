@@ -29,7 +29,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +38,11 @@ from meissner.arrays import Arrays
 from meissner.builds.units import Units
 from meissner.files import FULL, check_in, read_arrays
 from meissner.files import check_out as check_name
-from meissner.host import packets, ros
+from meissner.host import mcap_file, packets
 from meissner.host.core import Core, Counts
+from meissner.host.stamps import Stamps
 from meissner.host.table import COLUMNS, Facts, NpzLog, Table, read_rows
 from meissner.host.unfinished_log import UnfinishedLog, part_of
-from meissner.twins.link.packet import TIMES
 
 if TYPE_CHECKING:
     from meissner.host.simulated import Trace
@@ -52,7 +52,7 @@ FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress le
 _FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float, "min_load": int}
 _FACTS |= {counter.name: type(counter.default) for counter in fields(Counts)}
 
-ADDED = ("reset_", "change_", "state_")  # arrays that earlier logs do not have
+ADDED = ("reset_", "change_", "state_", "class_")  # arrays that earlier logs do not have
 
 PARTIAL: Arrays = {"partial": np.asarray(True)}
 
@@ -62,8 +62,8 @@ class McapLog:
 
     KIND = ".mcap"
 
-    def __init__(self, spool: UnfinishedLog, known: Units) -> None:
-        self._spool, self._writer = spool, ros.McapWriter(spool, known)
+    def __init__(self, spool: UnfinishedLog, known: Units, core: Core | None = None) -> None:
+        self._spool, self._writer = spool, mcap_file.Writer(spool, known, core)
         self.add, self.tell = self._writer.add, self._writer.tell
 
     def flush(self, facts: Facts) -> None:
@@ -88,66 +88,27 @@ class Writer(Protocol):
 
 
 class Log:
-    """``add`` packets of ``core`` to a ``writer``, such as the above. The core's clock turns its clocks into
-    UTC, from a new start after each reset of the core, which lies behind everything before it."""
+    """``add`` packets of ``core`` to a ``writer``, one of the above, with their time in UTC
+    (meissner.host.stamps)."""
 
     def __init__(self, writer: Writer, core: Core) -> None:
-        if not core.units.clk_khz:
-            raise ValueError(
-                "the core's clock is unknown, so its times cannot become UTC: give it in kHz (--clk-khz)"
-            )
-        self._writer, self._core = writer, core
-        self._start_ns, self._start, self._last = time.time_ns(), 0, 0
-        self._boot: int | None = None  # of the last packet
-        self._aligned = -1  # the boot of these times
-        self._newest_ns, self._least_ns = self._start_ns, 0
+        self._writer, self._core, self._stamps = writer, core, Stamps(core)
         self.packets, self.kept, self._flushed_at = 0, 0, time.monotonic()
         self._facts: dict[str, int] = {}
-        if (least := self._min_load()) >= 0:
+        if (least := self._stamps.min_load()) >= 0:
             self._facts["min_load"] = least
-        if core.now:
-            self._set(core.now, core.counts.restarts)
-        self._writer.tell(self.facts())
+        self._tell()
         self.flush()
 
-    def _min_load(self) -> int:
-        """The core's ``cop.min_load``, which a replay needs; -1: not known."""
-        core, known = self._core, self._core.units.min_load
-        if core.registers and "cop" in core.features:
-            return core["cop.min_load"]
-        return -1 if known is None else known
-
-    def _set(self, ticks: int, boot: int) -> None:
-        """``ticks`` of that boot are now, but its time 0 does not lie before the reset."""
-        self._start_ns = max(time.time_ns(), self._least_ns + self._ns(ticks))
-        self._start, self._last, self._aligned = ticks, ticks, boot
-
-    def _ns(self, ticks: int) -> int:
-        assert self._core.units.clk_khz
-        return ticks * 10**6 // self._core.units.clk_khz
-
-    def _stamp(self, item: "packets.Stamped | Trace") -> int:
-        if self._boot not in (None, item.boot):
-            self._reset(item.boot)
-        self._boot = item.boot
-        if self._aligned != item.boot:
-            self._set(item.time, item.boot)
+    def _tell(self) -> None:
+        if self._stamps.moved:
+            self._stamps.moved = False
             self._writer.tell(self.facts())
-        # Unwrap the 48-bit time: the value nearest to the last one, before or after it.
-        self._last += (item.time - self._last + TIMES // 2) % TIMES - TIMES // 2
-        return self._start_ns + self._ns(self._last - self._start)
-
-    def _reset(self, boot: int) -> None:
-        """Mark the place, behind every time so far."""
-        self._least_ns, least = self._newest_ns + 1, -1
-        with suppress(OSError), self._core.impatient():  # the line may be interrupted again
-            least = self._min_load()
-        self._writer.add(self._least_ns, packets.Reset(boot, least))
 
     def add(self, item: "packets.Item | Trace") -> None:
-        stamp = time.time_ns() if isinstance(item, packets.Gap) else self._stamp(item)
-        self._newest_ns = max(self._newest_ns, stamp)
-        self._writer.add(stamp, item)
+        for stamp, one in self._stamps.next(cast("packets.Item", item)):  # a Trace has boot and time, too
+            self._tell()
+            self._writer.add(stamp, one)
         self.packets += 1
         if time.monotonic() - self._flushed_at > FLUSH_S:
             self.flush()
@@ -163,8 +124,8 @@ class Log:
         newtons = float("nan") if known.newtons_per_code is None else known.newtons_per_code
         facts = {
             "clk_khz": known.clk_khz,
-            "start_ns": self._start_ns,
-            "start_time": self._start,
+            "start_ns": self._stamps.start_ns,
+            "start_time": self._stamps.start,
             "newtons_per_code": newtons,
         }
         return facts | self._facts | asdict(self._core.counts)
@@ -192,7 +153,7 @@ def recording(path: str | Path, core: Core) -> Iterator[Log]:
     make, out = KINDS[check_out(path)], check_name(path)
     spool, log = UnfinishedLog(out, make.KIND), None
     try:
-        writer = make(spool, core.units)
+        writer = make(spool, core.units, core)
         log = Log(writer, core)
         yield log
         log.flush()
@@ -261,7 +222,7 @@ def _read_mcap(path: Path) -> Arrays:
     table = Table()
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # a message parser prints
-            facts, items, whole = ros.read(path)
+            facts, items, whole = mcap_file.read(path)
             for stamp, item in items:
                 table.add(stamp, item)
         found = {name: np.asarray(kind(facts[name])) for name, kind in _FACTS.items() if name in facts}

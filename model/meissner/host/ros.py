@@ -1,283 +1,334 @@
-"""ROS 2 messages in MCAP files, without ROS: definitions, writer, reader. Topics are in docs/host.md."""
+"""A core's packets as ROS 2 messages, without ROS: docs/ros2.md lists the topics. MCAP files, the ROS node
+and the bridges all send what ``Converter`` makes."""
 
-import io
-import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import struct
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, BinaryIO
-
-import numpy as np
+from typing import Any
 
 from meissner.builds.toolchain import ROOT
-from meissner.builds.units import FRACTION_BITS, Units
+from meissner.builds.units import Units
 from meissner.host import packets
-from meissner.host.table import START
-from meissner.host.unfinished_log import UnfinishedLog
+from meissner.host.core import Core, Counts
+from meissner.host.view import state_name
+from meissner.twins.core import OF_LOAD
 from meissner.twins.link.packet import NO_CLASS
+from meissner.twins.slip.slip import State
 
-Found = dict[str, str] | tuple[str, int, Any]  # facts, or topic, ns and message
+FRAME_ID = "tactile"  # origin in the array's middle, x to the right, y up, z out of the surface
 
-FRAME_ID = "tactile"  # origin in the array's middle, x to the right, y up
-METADATA = "meissner"
+TOPICS = {
+    "/tactile/image": "sensor_msgs/Image",
+    "/tactile/frame": "meissner_msgs/TactileFrame",
+    "/tactile/cop": "geometry_msgs/PointStamped",
+    "/tactile/wrench": "geometry_msgs/WrenchStamped",
+    "/tactile/slip": "meissner_msgs/SlipEvent",
+    "/tactile/state": "meissner_msgs/SlipEvent",
+    "/tactile/states": "meissner_msgs/ChannelStates",
+    "/tactile/class": "meissner_msgs/ClassChange",
+    "/tactile/health": "meissner_msgs/TaxelHealth",
+    "/tactile/statistics": "meissner_msgs/CoreCounter",
+    "/tactile/gap": "meissner_msgs/LineGap",
+    "/tactile/reset": "meissner_msgs/CoreReset",
+    "/diagnostics": "diagnostic_msgs/DiagnosticArray",
+}
 
-_DEFINITIONS = {
+# Definitions of ROS's own messages: facts of common_interfaces, without their comments.
+_STANDARD = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",
+    "builtin_interfaces/Duration": "int32 sec\nuint32 nanosec",
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id",
     "geometry_msgs/Point": "float64 x\nfloat64 y\nfloat64 z",
     "geometry_msgs/PointStamped": "std_msgs/Header header\ngeometry_msgs/Point point",
-    "std_msgs/MultiArrayDimension": "string label\nuint32 size\nuint32 stride",
-    "std_msgs/MultiArrayLayout": "std_msgs/MultiArrayDimension[] dim\nuint32 data_offset",
-    "std_msgs/Int64MultiArray": "std_msgs/MultiArrayLayout layout\nint64[] data",
-    "std_msgs/Float64": "float64 data",
-    "std_msgs/String": "string data",
+    "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z",
+    "geometry_msgs/Wrench": "geometry_msgs/Vector3 force\ngeometry_msgs/Vector3 torque",
+    "geometry_msgs/WrenchStamped": "std_msgs/Header header\ngeometry_msgs/Wrench wrench",
+    "sensor_msgs/Image": "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\n"
+    "uint8 is_bigendian\nuint32 step\nuint8[] data",
+    "diagnostic_msgs/KeyValue": "string key\nstring value",
+    "diagnostic_msgs/DiagnosticStatus": "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\n"
+    "byte level\nstring name\nstring message\nstring hardware_id\ndiagnostic_msgs/KeyValue[] values",
+    "diagnostic_msgs/DiagnosticArray": "std_msgs/Header header\ndiagnostic_msgs/DiagnosticStatus[] status",
 }
+_FORMATS = {"bool": "?", "byte": "B", "uint8": "B", "uint16": "H", "int32": "i", "uint32": "I"}
+_FORMATS |= {"int64": "q", "uint64": "Q", "float64": "d"}
+OK, WARN, ERROR = 0, 1, 2  # levels of a DiagnosticStatus
+FAULTS = ((1, "dead"), (2, "railed"), (4, "blinking"))  # docs/link.md
+# Counters of the line that mean a loss, and how a sentence names them.
+_LOSSES = {
+    "lost": "packets lost",
+    "damaged": "frames damaged",
+    "images_lost": "images lost",
+    "images_unfit": "images of another size",
+    "unread": "packets not taken in time",
+    "gaps": "interruptions",
+    "restarts": "resets of the core",
+}
+DIAGNOSE_NS = 10**9  # between two messages of /diagnostics
+
+Message = SimpleNamespace
 
 
-def definition(name: str) -> str:
-    """The text of ``name`` ("package/Type") with every type it refers to, as an MCAP schema needs it."""
-    known = dict(_DEFINITIONS)
-    known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text("utf-8")
-    needed, text = [name], ""
+@cache
+def text_of(kind: str) -> str:
+    """The definition of a message ("package/Type")."""
+    package, _, name = kind.partition("/")
+    if package != "meissner_msgs":
+        return _STANDARD[kind] + "\n"
+    return Path(ROOT / f"ros2/meissner_msgs/msg/{name}.msg").read_text("utf-8")
+
+
+@cache
+def fields(kind: str) -> tuple[tuple[str, str], ...]:
+    """(name, type) of each field of a message, without its constants."""
+    lines = (line.partition("#")[0].split() for line in text_of(kind).splitlines())
+    return tuple((words[1], words[0]) for words in lines if words and "=" not in words[1])
+
+
+def is_message(kind: str) -> bool:
+    return "/" in kind
+
+
+def definition(kind: str) -> str:
+    """The text of ``kind`` with every type that it refers to, as an MCAP schema needs it."""
+    needed, text = [kind], ""
     for one in needed:
-        text += f"{'=' * 80}\nMSG: {one}\n{known[one]}\n" if one != name else f"{known[one]}\n"
-        kinds = (line.split()[0].removesuffix("[]") for line in known[one].splitlines() if line.strip())
-        needed += [kind for kind in kinds if kind in known and kind not in needed]
+        text += f"{'=' * 80}\nMSG: {one}\n{text_of(one)}" if one != kind else text_of(one)
+        inner = (of.removesuffix("[]") for _, of in fields(one))
+        needed += [name for name in dict.fromkeys(inner) if is_message(name) and name not in needed]
     return text
 
 
-def _header(stamp_ns: int) -> SimpleNamespace:
-    stamp = SimpleNamespace(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9)
-    return SimpleNamespace(stamp=stamp, frame_id=FRAME_ID)
+def full_name(kind: str) -> str:
+    """As ROS 2 writes it: "package/msg/Type"."""
+    return kind.replace("/", "/msg/")
 
 
-def _array(labels: Iterable[str], values: Sequence[int]) -> SimpleNamespace:
-    dims = [SimpleNamespace(label=",".join(labels), size=len(values), stride=len(values))]
-    return SimpleNamespace(layout=SimpleNamespace(dim=dims, data_offset=0), data=values)
+def serialised(kind: str, message: Message) -> bytes:
+    """``message`` in CDR, little-endian. A value is aligned to its size, counted from behind the header."""
+    out = bytearray(b"\0\1\0\0")
+    _put(out, kind, message)
+    return bytes(out)
 
 
-def _frame(
-    stamp_ns: int, item: packets.CopFrame | packets.Image, newtons_per_code: float | None
-) -> SimpleNamespace:
-    frame = {"header": _header(stamp_ns), "ticks": item.time, "newtons_per_code": newtons_per_code or 0.0}
-    cop = dict.fromkeys(("x", "y", "load"), 0) | {"has_cop": False, "pressed": False}
-    image: dict[str, object] = dict.fromkeys(("rows", "columns", "number"), 0) | {"taxels": []}
-    if isinstance(item, packets.Image):
-        rows, columns = item.taxels.shape
-        image = {
-            "rows": rows,
-            "columns": columns,
-            "number": item.number,
-            "taxels": item.taxels.ravel().tolist(),
-        }
-    else:
-        x, y = (round(value * (1 << FRACTION_BITS)) for value in (item.x, item.y))
-        cop = {"has_cop": True, "pressed": item.pressed, "x": x, "y": y, "load": item.load}
-    return SimpleNamespace(**frame, **cop, **image)
-
-
-class McapWriter:
-    """``add`` takes packets with their time in ns, ``tell`` facts about the log, ``finish`` the final facts.
-
-    ``flush`` writes the packets so far as a chunk; a file that was cut off is readable up to the last chunk.
-    """
-
-    def __init__(self, file: UnfinishedLog, known: Units) -> None:
-        from mcap.records import Schema
-        from mcap_ros2.writer import Writer
-
-        self._writer = Writer(file)  # type: ignore[arg-type]  # it needs write and tell only
-        self._schemas: dict[str, Schema] = {}
-        self._known, self._count = known, 0
-
-    def _write(self, stamp_ns: int, topic: str, kind: str, message: SimpleNamespace) -> None:
-        if kind not in self._schemas:
-            package, name = kind.split("/")
-            self._schemas[kind] = self._writer.register_msgdef(f"{package}/msg/{name}", definition(kind))
-        self._writer.write_message(topic, self._schemas[kind], message, stamp_ns, stamp_ns, self._count)
-        self._count += 1
-
-    def add(self, stamp_ns: int, item: packets.Item | packets.Reset) -> None:
-        scale = self._known.newtons_per_code
-        if isinstance(item, packets.CopFrame):
-            self._write(
-                stamp_ns, "/tactile/frame", "meissner_msgs/TactileFrame", _frame(stamp_ns, item, scale)
-            )
-            x = item.x if item.x_mm is None else item.x_mm / 1e3
-            y = item.y if item.y_mm is None else item.y_mm / 1e3
-            point = SimpleNamespace(x=x, y=y, z=0.0)
-            message = SimpleNamespace(header=_header(stamp_ns), point=point)
-            self._write(stamp_ns, "/tactile/cop", "geometry_msgs/PointStamped", message)
-            load = float(item.load if item.load_n is None else item.load_n)
-            self._write(stamp_ns, "/tactile/load", "std_msgs/Float64", SimpleNamespace(data=load))
-        elif isinstance(item, packets.Image):
-            self._write(
-                stamp_ns, "/tactile/frame", "meissner_msgs/TactileFrame", _frame(stamp_ns, item, scale)
-            )
-        elif isinstance(item, packets.SlipEvent):
-            values = {"channel": item.channel, "state": int(item.state), "p2p": item.p2p}
-            self._numbers(stamp_ns, "/tactile/slip", item.time, values)
-            self._change(stamp_ns, item, START["before"], late=False, start=True)
-        elif isinstance(item, packets.StateChange):
-            self._change(stamp_ns, item, before=int(item.before), late=item.late, start=False)
-        elif isinstance(item, packets.States):
-            values = {"first": item.first} | {f"state{k}": int(state) for k, state in enumerate(item.states)}
-            self._numbers(stamp_ns, "/tactile/states", item.time, values)
-        elif isinstance(item, packets.ClassChange):
-            before = NO_CLASS if item.before is None else item.before
-            values = {"label": item.label, "before": before, "votes": item.votes}
-            self._numbers(stamp_ns, "/tactile/class", item.time, values)
-        elif isinstance(item, packets.Health):
-            values = {"taxel": item.taxel, "faults": item.faults}
-            self._numbers(stamp_ns, "/tactile/health", item.time, values)
-        elif isinstance(item, packets.Statistics):
-            values = {"index": item.index, "value": item.value}
-            self._numbers(stamp_ns, "/tactile/statistics", item.time, values)
+def _put(out: bytearray, kind: str, value: Any) -> None:
+    if kind in _FORMATS:
+        size = struct.calcsize("<" + _FORMATS[kind])
+        out += bytes(-(len(out) - 4) % size) + struct.pack("<" + _FORMATS[kind], value)
+    elif kind == "string":
+        data = value.encode() + b"\0"
+        _put(out, "uint32", len(data))
+        out += data
+    elif kind.endswith("[]"):
+        _put(out, "uint32", len(value))
+        if isinstance(value, bytes):
+            out += value
         else:
-            topic = "/tactile/gap" if isinstance(item, packets.Gap) else "/tactile/reset"
-            self._write(stamp_ns, topic, "std_msgs/String", SimpleNamespace(data=json.dumps(asdict(item))))
+            for one in value:
+                _put(out, kind[:-2], one)
+    else:
+        for name, of in fields(kind):
+            _put(out, of, getattr(value, name))
+
+
+def made(kind: str, message: Message, make: Callable[[str], Any], leaf: Callable[[str, Any], Any]) -> Any:
+    """``message`` as an instance of another library's class.
+
+    ``make``: the class of a type; ``leaf``: a value of a basic type, or a sequence of such, as it takes it.
+    """
+    given: dict[str, Any] = {}
+    for name, of in fields(kind):
+        value, inner = getattr(message, name), of.removesuffix("[]")
+        if not is_message(of):
+            given[name] = leaf(of, value)
+        elif inner != of:
+            given[name] = [made(inner, one, make, leaf) for one in value]
+        else:
+            given[name] = made(of, value, make, leaf)
+    return make(kind)(**given)
+
+
+def _time(ns: int) -> Message:
+    return Message(sec=ns // 10**9, nanosec=ns % 10**9)
+
+
+def _known(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+class Converter:
+    """``messages`` of each packet of a core with the units ``known``; ``diagnostics`` about ``core``, whose
+    units may change while it runs."""
+
+    def __init__(self, known: Units, core: Core | None = None, frame_id: str = FRAME_ID) -> None:
+        self._known, self._core, self._frame_id = known, core, frame_id
+        self._boot = core.counts.restarts if core else 0
+        self._faults: dict[int, int] = {}
+        self._counters: dict[str, int] = {}
+        self._told, self._told_counters = Counts(), dict[str, int]()
+
+    @property
+    def _units(self) -> Units:
+        return self._core.units if self._core else self._known
+
+    def _header(self, stamp_ns: int) -> Message:
+        return Message(stamp=_time(stamp_ns), frame_id=self._frame_id)
+
+    def messages(self, stamp_ns: int, item: packets.Item | packets.Reset) -> Iterator[tuple[str, Message]]:
+        """(topic, message) of a packet, whose time in UTC is ``stamp_ns``."""
+        if isinstance(item, packets.OfBoot) and item.boot != self._boot:
+            self._boot = item.boot
+            self._faults.clear()
+            self._counters.clear()
+            self._told_counters = {}
+        header = self._header(stamp_ns)
+        if isinstance(item, packets.CopFrame):
+            yield from self._cop(header, item)
+        elif isinstance(item, packets.Image):
+            yield from self._image(header, item)
+        elif isinstance(item, packets.SlipEvent | packets.StateChange):
+            yield from self._change(header, item)
+        else:
+            yield from self._other(header, item)
+
+    def _frame(self, header: Message, ticks: int, **given: object) -> tuple[str, Message]:
+        none: dict[str, object] = {"has_cop": False, "pressed": False, "x": 0.0, "y": 0.0, "load": 0}
+        none |= {"has_image": False, "number": 0}
+        scale = _known(self._units.newtons_per_code)
+        return "/tactile/frame", Message(header=header, ticks=ticks, newtons_per_code=scale, **none | given)
+
+    def _cop(self, header: Message, item: packets.CopFrame) -> Iterator[tuple[str, Message]]:
+        values = {"pressed": item.pressed, "x": item.x, "y": item.y, "load": item.load}
+        yield self._frame(header, item.time, has_cop=True, **values)
+        x, y = (None if mm is None else mm / 1e3 for mm in (item.x_mm, item.y_mm))
+        if item.pressed and x is not None and y is not None:
+            yield "/tactile/cop", Message(header=header, point=Message(x=x, y=y, z=0.0))
+        if item.load_n is not None:
+            force = Message(x=0.0, y=0.0, z=float(item.load_n))
+            if not item.pressed:
+                x = y = 0.0
+            # (x, y, 0) × (0, 0, load)
+            turn = Message(x=_known(y) * force.z, y=-_known(x) * force.z, z=0.0)
+            yield "/tactile/wrench", Message(header=header, wrench=Message(force=force, torque=turn))
+
+    def _image(self, header: Message, item: packets.Image) -> Iterator[tuple[str, Message]]:
+        rows, columns = item.taxels.shape
+        yield (
+            "/tactile/image",
+            Message(
+                header=header,
+                height=rows,
+                width=columns,
+                encoding="mono16",
+                is_bigendian=0,
+                step=2 * columns,
+                data=item.taxels.astype("<u2").tobytes(),
+            ),
+        )
+        yield self._frame(header, item.time, has_image=True, number=item.number)
 
     def _change(
-        self,
-        stamp_ns: int,
-        item: packets.OfChannel,
-        before: int,
-        late: bool,
-        start: bool,
-    ) -> None:
-        values = {"channel": item.channel, "state": int(item.state), "before": before, "p2p": item.p2p}
-        values |= {"late": int(late), "start": int(start)}
-        self._numbers(stamp_ns, "/tactile/state", item.time, values)
-
-    def _numbers(self, stamp_ns: int, topic: str, ticks: int, values: dict[str, int]) -> None:
-        values = {"ticks": ticks, **values}
-        message = _array(values.keys(), list(values.values()))
-        self._write(stamp_ns, topic, "std_msgs/Int64MultiArray", message)
-
-    def tell(self, facts: Mapping[str, float | None]) -> None:
-        self._writer.add_metadata(METADATA, {name: str(value) for name, value in facts.items()})
-
-    def flush(self) -> None:
-        self._writer._writer.flush()  # the ROS 2 writer has no flush of its own
-
-    def finish(self, facts: Mapping[str, float | None]) -> None:
-        self.tell(facts)
-        self._writer.finish()
-
-
-def read(path: str | Path) -> tuple[dict[str, str], list[tuple[int, packets.Item | packets.Reset]], bool]:
-    """(facts, [(ns, packet)], whether it is complete) of a file that McapWriter wrote, positions and loads
-    without physical units. A file that was cut off gives the content of its complete records."""
-    facts: dict[str, str] = {}
-    items: list[tuple[int, packets.Item | packets.Reset]] = []
-    with open(path, "rb") as file:
-        whole = _whole(file)
-        for found in _of_whole(file) if whole else _of_part(file):
-            if isinstance(found, dict):
-                facts |= found
-            else:
-                topic, stamp, message = found
-                items += [(stamp, item) for item in _items(topic, message)]
-    if not facts:
-        raise ValueError("it has no facts about a core's log")
-    return facts, items, whole
-
-
-def _whole(file: BinaryIO) -> bool:
-    """Whether an MCAP file ends with the magic bytes of a finished one."""
-    from mcap.writer import MCAP0_MAGIC
-
-    size = file.seek(0, io.SEEK_END)
-    file.seek(max(0, size - len(MCAP0_MAGIC)))
-    end = file.read()
-    file.seek(0)
-    return end == MCAP0_MAGIC and size > len(MCAP0_MAGIC)
-
-
-def _of_whole(file: BinaryIO) -> Iterator[Found]:
-    """Facts, and (topic, ns, message) of each message."""
-    from mcap.reader import make_reader
-    from mcap_ros2.decoder import DecoderFactory
-
-    reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
-    yield from (data.metadata for data in reader.iter_metadata() if data.name == METADATA)
-    for decoded in reader.iter_decoded_messages(log_time_order=False):
-        yield decoded.channel.topic, decoded.message.log_time, decoded.decoded_message
-
-
-def _of_part(file: BinaryIO) -> Iterator[Found]:
-    """The same for a file that was cut off: record by record, as far as they are complete."""
-    from mcap.exceptions import EndOfFile
-    from mcap.records import Channel, Message, Metadata, Schema
-    from mcap.stream_reader import StreamReader
-    from mcap_ros2.decoder import DecoderFactory
-
-    factory = DecoderFactory()
-    schemas: dict[int, Schema] = {}
-    channels: dict[int, Channel] = {}
-    decoders: dict[int, Callable[[bytes], Any]] = {}
-    records = StreamReader(io.BytesIO(_whole_records(file)), validate_crcs=True).records
-    while True:
-        try:
-            record = next(records, None)
-        except EndOfFile:
-            return
-        if record is None:
-            return
-        if isinstance(record, Metadata) and record.name == METADATA:
-            yield record.metadata
-        elif isinstance(record, Schema):
-            schemas[record.id] = record
-        elif isinstance(record, Channel):
-            channels[record.id] = record
-            decode = factory.decoder_for(record.message_encoding, schemas[record.schema_id])
-            decoders |= {record.id: decode} if decode else {}
-        elif isinstance(record, Message):
-            message = decoders[record.channel_id](record.data)
-            yield channels[record.channel_id].topic, record.log_time, message
-
-
-def _whole_records(file: BinaryIO) -> bytes:
-    """The file up to the end of its last complete record: 1 byte of kind, 8 of length, content."""
-    data = file.read()
-    end = 8  # bytes of magic
-    while end + 9 <= len(data):
-        following = end + 9 + int.from_bytes(data[end + 1 : end + 9], "little")
-        if following > len(data):
-            break
-        end = following
-    return data[:end]
-
-
-def _items(topic: str, message: Any) -> Iterator[packets.Item | packets.Reset]:
-    kind = topic.rpartition("/")[2]
-    if kind == "frame" and message.has_cop:
-        x, y = message.x / (1 << FRACTION_BITS), message.y / (1 << FRACTION_BITS)
-        yield packets.CopFrame(
-            message.ticks, None, x, y, message.load, message.pressed, x_mm=None, y_mm=None, load_n=None
+        self, header: Message, item: packets.SlipEvent | packets.StateChange
+    ) -> Iterator[tuple[str, Message]]:
+        start = isinstance(item, packets.SlipEvent)
+        before, late = (
+            (State.CONTACT, False) if isinstance(item, packets.SlipEvent) else (item.before, item.late)
         )
-    elif kind == "frame":
-        taxels = np.array(message.taxels, dtype=np.uint16).reshape(message.rows, message.columns)
-        yield packets.Image(message.ticks, None, message.number, taxels, message.newtons_per_code or None)
-    elif kind == "slip":
-        ticks, channel, state, p2p = message.data
-        yield packets.SlipEvent(ticks, None, channel, state, p2p, p2p_v=None)
-    elif kind == "state":
-        ticks, channel, state, before, p2p, late, start = message.data
-        if not start:  # those are on the topic slip too
-            yield packets.StateChange(ticks, None, channel, state, p2p, None, None, before, bool(late))
-    elif kind == "states":
-        ticks, first, *states = message.data
-        yield packets.States(ticks, None, first, tuple(states))
-    elif kind == "class":
-        ticks, label, before, votes = message.data
-        yield packets.ClassChange(ticks, None, label, None if before == NO_CLASS else before, votes)
-    elif kind == "health":
-        ticks, taxel, faults = message.data
-        yield packets.Health(ticks, None, taxel, faults)
-    elif kind == "statistics":
-        ticks, index, value = message.data
-        yield packets.Statistics(ticks, None, index, value)
-    elif kind in ("gap", "reset"):
-        yield (packets.Gap if kind == "gap" else packets.Reset)(**json.loads(message.data))
+        clk_khz = self._units.clk_khz or 0
+        message = Message(
+            header=header,
+            ticks=item.time,
+            since_reset=_time(item.time * 10**6 // clk_khz if clk_khz else 0),
+            channel=item.channel,
+            of_load=item.channel == OF_LOAD,
+            state=int(item.state),
+            state_name=state_name(item.state),
+            before=int(before),
+            before_name=state_name(before),
+            start=start,
+            late=late,
+            p2p=item.p2p,
+            p2p_volts=_known(item.p2p_v),
+            p2p_newtons=_known(item.p2p_n),
+        )
+        if start:
+            yield "/tactile/slip", message
+        yield "/tactile/state", message
+
+    def _other(self, header: Message, item: packets.Item | packets.Reset) -> Iterator[tuple[str, Message]]:
+        given: dict[str, object]
+        if isinstance(item, packets.Gap):
+            given = {"reason": item.reason, "seconds": float(item.seconds)}
+            yield "/tactile/gap", Message(header=header, **given)
+        elif isinstance(item, packets.Reset):
+            given = {"restarts": item.restarts, "min_load": item.min_load}
+            yield "/tactile/reset", Message(header=header, **given)
+        elif isinstance(item, packets.States):
+            given = {"first": item.first, "states": bytes(map(int, item.states))}
+            yield "/tactile/states", Message(header=header, ticks=item.time, **given)
+        elif isinstance(item, packets.ClassChange):
+            before = NO_CLASS if item.before is None else item.before
+            given = {"label": item.label, "before": before, "votes": item.votes}
+            yield "/tactile/class", Message(header=header, ticks=item.time, **given)
+        elif isinstance(item, packets.Health):
+            self._faults[item.taxel] = item.faults
+            given = {"taxel": item.taxel, "faults": item.faults}
+            yield "/tactile/health", Message(header=header, ticks=item.time, **given)
+        elif isinstance(item, packets.Statistics):
+            self._counters[item.name] = item.value
+            given = {"index": item.index, "name": item.name, "value": item.value}
+            yield "/tactile/statistics", Message(header=header, ticks=item.time, **given)
+
+    def diagnostics(self, stamp_ns: int) -> tuple[str, Message]:
+        """The state of the line, of the taxels and of the core's counters; what grew since the last call is
+        a warning, an interrupted line an error."""
+        assert self._core
+        status = [self._of_line(self._core), self._of_taxels(), self._of_counters()]
+        for one in status:
+            one.hardware_id = self._core.line.name
+        return "/diagnostics", Message(header=self._header(stamp_ns), status=status)
+
+    def _status(self, name: str, level: int, says: str, values: Iterable[tuple[str, object]]) -> Message:
+        return Message(
+            level=level,
+            name=f"meissner: {name}",
+            message=says,
+            hardware_id="",
+            values=[Message(key=key, value=str(value)) for key, value in values],
+        )
+
+    def _of_line(self, core: Core) -> Message:
+        counts, before = asdict(core.counts), asdict(self._told)
+        self._told = Counts(**counts)
+        new = [
+            f"{counts[name] - before[name]} {what}"
+            for name, what in _LOSSES.items()
+            if counts[name] > before[name]
+        ]
+        level, says = (WARN, "new: " + ", ".join(new)) if new else (OK, "nothing lost")
+        if core.interrupted:
+            level, says = ERROR, core.interrupted
+        return self._status("line", level, says, counts.items())
+
+    def _of_taxels(self) -> Message:
+        faulty = {taxel: faults for taxel, faults in sorted(self._faults.items()) if faults}
+        columns = self._units.columns
+        values = []
+        for taxel, faults in faulty.items():
+            place = f"row {taxel // columns}, column {taxel % columns}" if columns else f"taxel {taxel}"
+            values.append((place, ", ".join(what for bit, what in FAULTS if faults & bit)))
+        says = f"{len(faulty)} faulty taxel{'s' * (len(faulty) != 1)}" if faulty else "no faulty taxel"
+        return self._status("taxels", WARN if faulty else OK, says, values)
+
+    def _of_counters(self) -> Message:
+        before, self._told_counters = self._told_counters, dict(self._counters)
+        new = [
+            f"{value - before.get(name, 0)} {name}"
+            for name, value in self._counters.items()
+            if value > before.get(name, 0)
+        ]
+        says = "new: " + ", ".join(new) if new else "nothing dropped"
+        return self._status("core", WARN if new else OK, says, self._counters.items())

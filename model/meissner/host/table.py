@@ -13,6 +13,7 @@ from meissner.arrays import Arrays
 from meissner.builds.units import FRACTION_BITS, Units
 from meissner.files import arrays_of, written
 from meissner.host import packets
+from meissner.host.core import Core
 from meissner.host.unfinished_log import UnfinishedLog
 from meissner.twins.link.packet import NO_CLASS
 from meissner.twins.slip.slip import State
@@ -167,7 +168,7 @@ class NpzLog:
 
     KIND = ".rows"
 
-    def __init__(self, spool: UnfinishedLog, known: Units) -> None:
+    def __init__(self, spool: UnfinishedLog, known: Units, core: Core | None = None) -> None:
         self.spool, self._table, self._told = spool, Table(), False
         self.add = self._table.add
         spool.write(MAGIC)

@@ -1,0 +1,145 @@
+"""``meissner config new``, and ``rate_hz = "max"``: the shortest period by the formulas of docs/adc.md and
+docs/scan.md, and what is one clock shorter is refused."""
+
+import builtins
+import re
+import sys
+import tomllib
+
+import pytest
+
+from meissner import cli
+from meissner.builds import boards, config
+
+
+def tables(name, rate_hz, **changes):
+    found = config.tables(name)
+    found["adc"] = found["adc"] | {"rate_hz": rate_hz}
+    for key, value in changes.items():
+        found[key] = found.get(key, {}) | value
+    return found
+
+
+@pytest.mark.parametrize(
+    "name, changes, clocks, why",
+    [
+        ("grip", {}, 2 * 12 * 20 * 2 + 1, "conversion"),  # 24 MHz, SCLK 1 MHz: half 12; two channels
+        ("slip1", {}, 20 * 16 + 1, "conversion"),  # 12 clocks of a bit are 16 of msn_adc_single
+        ("array64", {}, 64 * 1036, "scan"),  # the slot of two lanes at 100 MHz, read after
+        # 27 bytes of 10 bits at 3 Mbaud are 2250 clocks of 25 MHz; the converter would take 365 for eight.
+        ("cop4", {}, 2251, None),
+        # Frames of 27 bytes on a line of 20,000 bytes a second, beside an image a second.
+        ("fingertip", {"link": {"baud": 200_000}}, None, "images"),
+        # A conversion of one channel takes 41 clocks of 2 MHz; the computation of a window 70.
+        (
+            "grip",
+            {"clock": {"mhz": 2.0}, "sensor": {"channels": 1}, "link": {"baud": 100_000}},
+            70,
+            "shear_speed",
+        ),
+    ],
+)
+def test_the_greatest_rate_by_hand(name, changes, clocks, why):
+    found = tables(name, "max", **changes)
+    if why == "shear_speed":
+        found["shear_speed"] = {}
+    made = config.read(name, found)
+    if clocks is not None:
+        assert made.period_clocks == clocks
+    assert made.rate_hz == 1000 * made.clk_khz / made.period_clocks
+    if why:
+        found["adc"] = found["adc"] | {"rate_hz": 1000 * made.clk_khz / (made.period_clocks - 1)}
+        with pytest.raises(ValueError, match=why):
+            config.read(name, found)
+
+
+def test_a_rate_is_a_number_or_max(tmp_path, monkeypatch, capsys):
+    with pytest.raises(ValueError, match="rate_hz = 'fast' must be a number"):
+        config.read("grip", tables("grip", "fast"))
+    (tmp_path / "m.toml").write_text(
+        config._path("slip1").read_text().replace("rate_hz = 10_000.0", 'rate_hz = "max"')
+    )
+    cli.main(["config", "show", str(tmp_path / "m.toml")])
+    assert "\n37383.18 samples of each channel a second\n" in capsys.readouterr().out  # 12 MHz / 321
+
+
+def new(*words):
+    cli.main(["config", "new", *words, "--out", "mine.toml", "--overwrite"])
+    return config.load("mine.toml")
+
+
+@pytest.mark.parametrize("board", boards.BOARDS)
+def test_what_is_written_can_be_built_on_the_board(board, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    few = board == "icebreaker"
+    made = new("--sensor", "channels", "--channels", "3", "--board", board)
+    assert (made.channels, made.rate_hz, made.adc.volts) == (3, 10_000, 3.3)
+    assert made.link.registers is not few
+    # floor(0.0132 · 4096/3.3 · sqrt(2)) = floor(23.17); 0.9 of the range, of sums of two samples.
+    assert made.settings["slip.threshold"] == 23 and made.settings["slip.contact_level"] == round(
+        2 * 0.9 * 4096
+    )
+    made = new("--sensor", "array", "--rows", "4", "--cols", "6", "--board", board)
+    assert made.shape == (4, 6) and made.period_clocks == made.least_period
+    boards.BOARDS[board].plan("mine.toml")
+    if not few:
+        made = new("--sensor", "electrodes", "--board", board)
+        assert made.cop4.difference_gain == 16  # 0.65 of Cx = (2·7·10 + 8)/6 = 24.7
+    text = (tmp_path / "mine.toml").read_text()
+    assert text.count("# ") > 8 and tomllib.loads(text)["about"]
+
+
+def test_the_smallest_build_for_one_sensor_on_an_icebreaker(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made = new("--board", "icebreaker")
+    assert made.serial and made.link.slip_only and not made.link.statistics
+
+
+def test_it_asks_on_a_terminal_for_what_no_option_says(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for stream in (sys.stdin, sys.stdout):
+        monkeypatch.setattr(stream, "isatty", lambda: True)
+    answers = {
+        "sensor": "array",
+        "rows": "5",
+        "columns": "",
+        "converter:": "ad7606",
+        "converters": "2",
+        "board": "ulx3s",
+    }
+    asked = []
+
+    def answer(question):
+        asked.append(question)
+        return next((said for word, said in answers.items() if question.startswith(word)), "")
+
+    monkeypatch.setattr(builtins, "input", answer)
+    cli.main(["config", "new", "--rate", "500", "--out", "mine.toml"])
+    made = config.load("mine.toml")
+    assert (made.shape, made.part.name, made.adc.converters, made.rate_hz) == ((5, 3), "ad7606", 2, 500)
+    assert len(asked) == 7 and "[3]" in next(text for text in asked if text.startswith("columns"))
+    assert "make synth BOARD=ulx3s CONFIG=mine.toml" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "words, says",
+    [
+        ("--sensor wires", "sensor = 'wires' must be one of: channels, array, electrodes"),
+        ("--adc ADS1115", "adc = 'ADS1115' must be one of: MCP3208"),
+        ("--board nano", "board = 'nano' must be one of: icebreaker"),
+        ("--channels 9", r"channels = 9 must lie in 1 .. 8"),
+        ("--channels 0", r"channels = 0 must be above 0"),
+        ("--rate 60000", r"rate_hz = 60000 is too fast: a conversion takes"),
+        ("--rate quick", "rate = 'quick' must be a number, or max"),
+        ("--volts 12", r"volts = 12 must lie in 0.25 .. 5.5 for the MCP3208"),
+        ("--sensor electrodes --adc MCP3208", "part = 'MCP3208' must be symmetric"),
+        ("--sensor array --cols 64 --converters 8 --adc AD7606 --board tangnano20k", "lines without a pin: "),
+        ("--sensor array --rows 128 --cols 128", r"window = 32 at rate_hz = .* must not last more than 5 s"),
+    ],
+)
+def test_what_cannot_be_is_refused_and_nothing_is_written(words, says, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["config", "new", *words.split(), "--out", "mine.toml"])
+    said = capsys.readouterr().err
+    assert re.search(says, said) and said.count("\n") == 1 and not list(tmp_path.iterdir())
