@@ -104,6 +104,21 @@ def test_pause_scroll_save_and_keys(browser, tmp_path):
         page.until("!meissner.view.paused")
 
 
+def test_the_report_of_a_scene_is_linked(browser):
+    source, seen = of_pipe(SimulatedCore()), []
+    with web.beside(source, 0, seen.append) as stay:
+        page = browser.open(seen[0].partition(": ")[2])
+        page.until("meissner.hello")
+        assert page.do("document.getElementById('report').hidden")
+        thread = threading.Thread(target=stay, args=(b"<p>all slips</p>",), daemon=True)
+        thread.start()
+        page.until("!document.getElementById('report').hidden")
+        text = "fetch(document.getElementById('report').href).then(answer => answer.text())"
+        assert page.do(text) == "<p>all slips</p>"
+        source.stop()
+        thread.join()
+
+
 def test_it_survives_a_source_that_dies(browser, tmp_path):
     port = tmp_path / "port"
     first = Pty(of_scenes("walk_25x5"))

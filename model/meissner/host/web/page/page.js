@@ -135,8 +135,15 @@ on("hello", head => {
   for (const [taxel, faults] of Object.entries(head.now.health)) page.health.set(+taxel, faults);
   for (const [name, value] of Object.entries(head.now.statistics)) page.statistics.set(name, value);
   for (const [name, value] of Object.entries(head.now.register ?? {})) page.registers.push(name, -Infinity, value);
+  link(head.now.link?.report);
   for (const def of panels) def.begin?.(head);
 });
+function link(address) {  // to the report of the scene that is played
+  const found = document.getElementById("report");
+  found.hidden = !address;
+  if (address) found.href = address;
+}
+on("link", row => link(row.value));
 on("CopFrame", row => page.cop.push(row.t, row.x_mm ?? row.x, row.y_mm ?? row.y, row.load_n ?? row.load, row.pressed));
 on("Image", image => {
   page.images.push(image);
