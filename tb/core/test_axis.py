@@ -276,9 +276,10 @@ async def says_what_it_is_and_refuses_what_it_has_not(dut):
     array, cop4 = number(dut, "Array"), number(dut, "Cop4")
     bits = (0, number(dut, "Slip"), 0, number(dut, "Health"), number(dut, "Tare"), array, array, cop4)
     bits += (number(dut, "CopSlip"), 1, number(dut, "Grip"), number(dut, "ShearSpeed"), number(dut, "Forest"))
+    bits += (number(dut, "Display"),)
     assert features == sum(bit << place for place, bit in enumerate(bits))
     for place, address in enumerate(
-        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00, 0xB00, 0xC00)
+        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00, 0xB00, 0xC00, 0xD00)
     ):
         resp = (await axi.read(address))[1]
         assert resp == (AxiResp.OKAY if bits[place] else AxiResp.SLVERR), hex(address)

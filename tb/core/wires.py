@@ -194,6 +194,7 @@ INSTANCES = {
     "grip": "u_actuate u_grip u_finger_health u_pwm",
     "shear_speed": "u_shear_speeds u_shear_speed",
     "forest": "u_classify",
+    "display": "u_display u_render u_pins u_phase u_limits",
     "link": "u_link",
 }
 GROUP_OF = {instance: group for group, instances in INSTANCES.items() for instance in instances.split()}

@@ -88,9 +88,10 @@ def _figure(picture):
     file, condition, shown = picture
     data = base64.b64encode(Path(file).read_bytes()).decode("ascii")
     condition, shown = html.escape(condition), html.escape(shown)
+    kind = "gif" if Path(file).suffix == ".gif" else "png"
     return (
         f'<figure><label class="zoom"><input type="checkbox" aria-label="larger">'
-        f'<img alt="{condition}: {shown}" src="data:image/png;base64,{data}"></label>'
+        f'<img alt="{condition}: {shown}" src="data:image/{kind};base64,{data}"></label>'
         f"<figcaption><b>{condition}</b>: {shown}</figcaption></figure>"
     )
 

@@ -9,7 +9,7 @@ TABLE = """
 core always What this core is
   000 id                   31:0  constant 4d534e52 -
   004 version.patch        7:0   constant 0        -
-  004 version.minor        15:8  constant 6        -
+  004 version.minor        15:8  constant 7        -
   004 version.major        31:16 constant 0        -
   008 features             31:0  features 0        -
   00c size.rows            15:0  status   0        -
@@ -232,5 +232,33 @@ forest feature Forest
   c5c absent               15:0  status   0        -
   c60 late                 15:0  status   0        -
   c64 broken               15:0  status   0        -
+display feature Pin display
+  d00 enable               0:0   setting  0        at_once
+  d04 increment            31:0  setting  0        at_once
+  d08 burst_period         11:0  setting  0        at_once
+  d0c burst_on             11:0  setting  0        at_once
+  d10 top                  7:0   setting  ff       at_once
+  d14 most                 11:0  setting  fff      at_reset
+  d18 duty                 15:0  setting  4e20     at_reset
+  d1c watchdog             3:0   setting  3        at_reset
+  d20 stop                 15:0  setting  7d0      at_reset
+  d24 source               0:0   setting  0        at_once
+  d28 floor                15:0  setting  1        at_once
+  d2c step                 15:0  setting  0        at_once
+  d30 marker               0:0   setting  0        at_once
+  d34 cue                  7:0   setting  0        at_once
+  d38 octant               2:0   setting  0        at_once
+  d3c health               0:0   setting  1        at_once
+  d40 levels.next          23:0  setting  0        at_once
+  d40 levels.last          24:24 setting  0        at_once   written
+  d44 size.rows            7:0   status   0        -
+  d44 size.columns         15:8  status   0        -
+  d44 size.bits            23:16 status   0        -
+  d48 state.running        0:0   status   0        -
+  d48 state.fault          1:1   status   0        -
+  d48 state.limited        2:2   status   0        -
+  d48 state.pins           19:8  status   0        -
+  d4c dropped              15:0  status   0        -
+  d50 faults               31:0  status   0        -
 """
 GROUPS = read(TABLE)
