@@ -153,7 +153,7 @@ def test_what_extras_bring_is_asked_for(installed, tmp_path):
         (("tradeoff", "--quick", "--scheduler", "tcp://a:1"), "--scheduler needs Dask: [dask]"),
         (("export-forest", "in.skops", "--out", "F.json"), "in.skops: it needs skops: [forest]"),
         (("export-forest", "in.onnx", "--out", "F.json"), "in.onnx: it needs onnx: [forest]"),
-        (("export-forest", "in.pkl", "--trust", "--out", "F.json"), "in.pkl: it needs scikit-learn: [forest]"),
+        (("export-forest", "in.pkl", "--trust", "--out", "F"), "in.pkl: it needs scikit-learn: [forest]"),
         (("bridge", "dds", "sim:walk_25x5"), "the bridge to DDS needs cyclonedds: [dds]"),
         (("bridge", "foxglove", "sim:walk_25x5"), "the bridge to Foxglove needs foxglove-sdk: [foxglove]"),
         (gate, "the engine gate needs Yosys: `make synth` in a checkout, or [gate]"),
