@@ -532,11 +532,11 @@ def _besides(codes, force_n, lines, low, high):
         yield f"dead (row, column): {named(lines.dead & ~over)}"
 
 
-def command(arguments):
-    """``meissner calibrate``."""
-    given = {"column": arguments.column, "unit": arguments.unit, "shape": arguments.shape}
+def command(arguments, converter=None, shape=None):
+    """``meissner calibrate`` with the converter and the shape of its configuration."""
+    given = {"column": arguments.column, "unit": arguments.unit, "shape": arguments.shape or shape}
     codes, force_n, said = read_recording(
-        arguments.recording, arguments.force, arguments.volts_per_code, **given
+        arguments.recording, arguments.force, arguments.volts_per_code, converter, **given
     )
     low, high = ends(codes, arguments.adc_bits)
     lines, deviation_n = fit(codes, force_n, arguments.lsb, low=low, high=high)

@@ -62,8 +62,17 @@ class Fit:
         return (np.asarray(step_v) / (k0 + k1 * np.asarray(rest_v))) ** (1.0 / n)
 
 
-def _columns(path):
-    """{name: values} of a file's columns: its times in seconds, the only one in volts, the speed in mm/s."""
+def _columns(path, column=None):
+    """{name: values} of a file's columns: its times in seconds, the only one in volts, the speed in mm/s.
+
+    ``column``: which are time_s, volts and speed_mm_s, by name or number.
+    """
+    if column:
+        chosen = readers.chosen(path, column)
+        if len(chosen) != len(RECORDING):
+            raise ValueError(f"{path}: {len(chosen)} columns are named; {', '.join(RECORDING)} are needed")
+        scales = [(TIMES | VOLTS).get(one.unit, 1.0) for one in chosen]
+        return {name: one.values / scale for name, one, scale in zip(RECORDING, chosen, scales)}
     found, volts = {}, []
     for one in readers.table(path, (*RECORDING, *STEPS)).columns:
         values, name = one.values, one.name
@@ -87,12 +96,13 @@ def _numbers(path, name, values):
     return values.astype(float)
 
 
-def read(path):
+def read(path, column=None):
     """The Steps in a file with one row per sample (RECORDING) or per step (STEPS); ValueError without any.
 
-    Any file that meissner.readers reads, with columns or arrays of these names; others are ignored.
+    Any file that meissner.readers reads, with columns or arrays of these names, or the ``column``
+    that are; others are ignored.
     """
-    found = _columns(path)
+    found = _columns(path, column)
     form = STEPS if "step_v" in found or "rest_v" in found else RECORDING
     for name in form:
         if name not in found:
@@ -295,5 +305,5 @@ def command(arguments):
     """``meissner fit-rubber``."""
     if not 0 < arguments.codes_per_v < float("inf"):
         raise ValueError(f"codes-per-v = {arguments.codes_per_v:g} must be a number above 0")
-    lines = tell(fit(read(arguments.recording)), arguments.codes_per_v)
+    lines = tell(fit(read(arguments.recording, arguments.column)), arguments.codes_per_v)
     print(f"{plain(arguments.recording)}: dV = (k0 + k1·Vi)·v^n", *lines, sep="\n")

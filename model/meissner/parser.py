@@ -60,7 +60,7 @@ def _shape(text):
     return int(rows), int(columns)
 
 
-def _reading(parser, shape=False, rate=False):
+def _reading(parser, shape=False, rate=False, config=False):
     """What a recording does not say, or says of several things (docs/own_recordings.md)."""
     parser.add_argument(
         "--column",
@@ -76,6 +76,8 @@ def _reading(parser, shape=False, rate=False):
         parser.add_argument(
             "--rate", type=float, metavar="HZ", help="samples per second of each channel (the file's)"
         )
+    if config:
+        parser.add_argument("--config", metavar="FILE", help="of the array: its converter and its shape")
     if shape:
         parser.add_argument(
             "--shape", type=_shape, metavar="RxC", help="taxels of an array whose columns are channels, 3x4"
@@ -174,7 +176,7 @@ def _process(commands):
         example="process cop FRAMES.npy --out COP.npz",
     )
     cop.add_argument("input", metavar="IN", help="forces, 0 to 65535; codes with --calibration; " + RECORDING)
-    _reading(cop, shape=True)
+    _reading(cop, shape=True, config=True)
     cop.add_argument("--min-load", type=int, default=1, help="minimum sum of forces for a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="a file that `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
@@ -263,7 +265,7 @@ def _host(commands):
     dds = to.add_parser(
         "dds",
         help="to DDS topics that ROS 2 nodes see; experimental (docs/ros2.md)",
-        example="bridge dds sim: --seconds 0.5",
+        example="bridge dds /dev/ttyUSB1 --seconds 2",
     )
     _line_arguments(dds)
     dds.add_argument("--domain", type=int, default=0, metavar="N", help="DDS domain, as ROS_DOMAIN_ID (0)")
@@ -271,7 +273,7 @@ def _host(commands):
     foxglove = to.add_parser(
         "foxglove",
         help="to Foxglove or Lichtblick, thresholds as parameters (docs/ros2.md)",
-        example="bridge foxglove sim: --seconds 0.5 --listen-on 127.0.0.1:8795",
+        example="bridge foxglove /dev/ttyUSB1 --seconds 2 --listen-on 127.0.0.1:8795",
     )
     _line_arguments(foxglove)
     foxglove.add_argument(
@@ -474,7 +476,7 @@ def _calibrate(commands):
         "recording", metavar="RECORDING", help="arrays codes and force_n; or codes, or columns with one in N"
     )
     parser.add_argument("--force", metavar="FORCE", help="newtons [frames] or [frames, rows, columns]")
-    _reading(parser, shape=True)
+    _reading(parser, shape=True, config=True)
     parser.add_argument(
         "--lsb", type=float, metavar="N", help="newtons per code of force (default: the finest)"
     )
@@ -482,7 +484,7 @@ def _calibrate(commands):
         "--adc-bits", type=int, metavar="B", help="of the converter (default: from codes at its ends)"
     )
     _out(parser, "CAL.npz", "output file of offsets and gains", required=True)
-    parser.set_defaults(call="meissner.calibration:command")
+    parser.set_defaults(call="meissner.process:calibrate")
 
 
 def _fit_rubber(commands):
@@ -493,6 +495,9 @@ def _fit_rubber(commands):
     )
     parser.add_argument(
         "recording", metavar="RECORDING", help="columns time_s, volts, speed_mm_s (docs/shear.md)"
+    )
+    parser.add_argument(
+        "--column", action="append", metavar="NAMES", help="which those three are: names or numbers from 1"
     )
     parser.add_argument(
         "--codes-per-v",

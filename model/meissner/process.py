@@ -46,6 +46,23 @@ def take(arguments, path=None, **given):
     return readers.read(path or arguments.input, column, **options | given)
 
 
+def array_of(arguments):
+    """(converter, shape) of the array that --config names, or (None, None)."""
+    from meissner.builds import config
+
+    if arguments.config is None:
+        return None, None
+    build = config.load(arguments.config)
+    if build.array is None:
+        raise ValueError(f"{arguments.config}: kind = '{build.kind}' is no array")
+    return (None if arguments.volts_per_code is not None else build.input), build.shape
+
+
+def calibrate(arguments):
+    """``meissner calibrate``."""
+    calibration.command(arguments, *array_of(arguments))
+
+
 def build_of(name):
     """A build with a slip path, by its name or file."""
     from meissner.builds import config
@@ -162,8 +179,9 @@ def cop(arguments):
     if arguments.calibration is not None:
         lines = calibration.load(arguments.calibration)
         engines.load(arguments.engine)
-    found = take(arguments)
-    values, done = found.scaled(arguments.volts_per_code)
+    converter, shape = array_of(arguments)
+    found = take(arguments, shape=arguments.shape or shape)
+    values, done = found.scaled(arguments.volts_per_code, converter)
     if lines is None:
         forces = engines.check_forces(values)
     else:

@@ -141,11 +141,7 @@ def fit(largest, window_s):
         count = len(largest) // size
         if count < LEAST_BLOCKS:
             need = LEAST_BLOCKS * size * window_s
-            why = (
-                ""
-                if size == LEAST_WINDOWS
-                else f" (noise correlated over {size * window_s / 2:.3g} s)"
-            )
+            why = "" if size == LEAST_WINDOWS else f" (noise correlated over {size * window_s / 2:.3g} s)"
             raise ValueError(
                 f"{len(largest) * window_s:.3g} s of hold{why} are too short to promise anything: "
                 f"{need:.3g} s or more are needed"
@@ -260,19 +256,17 @@ def command(arguments):
     build = None if arguments.config is None else process.build_of(arguments.config)
     config = process.settings(arguments, build, needed=False)
     x, rate_hz, said = process.samples(arguments, build=build)
-    p2p = windows_of(x, config)
+    p2p, slips, lines = windows_of(x, config), None, [said]
+    if arguments.slips is not None:
+        y, _, told = process.samples(arguments, arguments.slips, build)
+        slips = windows_of(y, config)
+        lines.append(told)
     law = fit(p2p.max(axis=0), config.hop / rate_hz)
     full = (1 << 17 + config.level) - 1
     if build is not None and build.units.codes:
         full = (build.units.codes[1] - build.units.codes[0] << config.level) - 1
     threshold = smallest(law, arguments.per_hour, full)
     low, high = law.interval(threshold)
-    lines = [said]
-    slips = None
-    if arguments.slips is not None:
-        y, _, told = process.samples(arguments, arguments.slips, build)
-        slips = windows_of(y, config)
-        lines.append(told)
     keep = keep_of(p2p, threshold)
     gross, why = 2 * threshold, "twice the threshold: no slips were given"
     if slips is not None:

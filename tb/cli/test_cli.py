@@ -237,7 +237,7 @@ def test_every_command_with_an_output_protects_earlier_ones():
         if "--out" in options:
             found.add(name)
             assert ("--overwrite" in options) == (name != "tradeoff"), name
-    assert len(found) == 15 and "process cop4" in found
+    assert len(found) == 18 and "process cop4" in found
 
 
 def test_csv_of_a_spreadsheet(tmp_path):

@@ -75,6 +75,17 @@ listen: live sim: --listen --calibration cal.npz; log sim: --listen --calibratio
 reached: live file:a.bin --calibration cal.npz
 array: regs core:grip --calibration cal.npz
 codes: calibrate other.npz; calibrate cube.npy
+hop: threshold in.npy --rate 1000 --hop 5
+short: threshold in.npy --rate 10000
+.png: threshold long.npy --rate 10000 --per-hour 9000 --out t.pdf
+rate: threshold in.npy; threshold in.npy --rate 0
+nowhere: threshold nowhere.csv; threshold in.npy nowhere.csv --rate 1000; threshold in.npy --config nowhere
+per-hour: threshold in.npy --rate 1000 --per-hour nan
+input: threshold in.npy --rate 1000 --out in.npy
+array: cop cube.npy --config cop4; calibrate cube.npy --force in.npy --config cop4
+column: slip in.csv --column 3; fit-rubber in.csv --column 1,2
+volts-per-code: slip in.npy --volts-per-code 0; cop cube.npy --volts-per-code nan
+3x: cop in.npy --shape 3x
 text.npz: calibrate text.npz; fit-rubber text.npz
 forces: calibrate press.npz --force in.npy
 force_n: calibrate cube.npy --force in.npy
@@ -224,6 +235,7 @@ def inputs(tmp_path_factory):
     with zipfile.ZipFile(folder / "bomb2.npz", "w", zipfile.ZIP_DEFLATED) as file:
         file.writestr("offset.npy", b"\x93NUMPY\x02\x00" + (1 << 24).to_bytes(4, "little") + bytes(1 << 24))
     for name, x in {
+        "long": np.random.default_rng(1).integers(-9, 10, 100_000),
         "single": np.int64(5),
         "complex": np.zeros(100, complex),
         "nan": np.full(100, np.nan),

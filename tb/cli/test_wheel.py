@@ -103,6 +103,9 @@ def test_it_carries_all_that_the_core_is_made_of(wheel):
         "scenes/rubber/acrylic_slip.toml",
         "builds/configs/slip1.toml",
         "engines/driver.hpp",
+        "host/web/page/index.html",
+        "host/web/page/uPlot.LICENSE",
+        "host/web/page/panels/10_touch.js",
     ):
         assert f"meissner/{name}" in names
     assert "meissner/sources/ros2/meissner_msgs/msg/TactileFrame.msg" in names

@@ -276,9 +276,10 @@ async def says_what_it_is_and_refuses_what_it_has_not(dut):
     array, cop4 = number(dut, "Array"), number(dut, "Cop4")
     bits = (0, number(dut, "Slip"), 0, number(dut, "Health"), number(dut, "Tare"), array, array, cop4)
     bits += (number(dut, "CopSlip"), 1, number(dut, "Grip"), number(dut, "ShearSpeed"), number(dut, "Forest"))
+    bits += (number(dut, "Display"),)
     assert features == sum(bit << place for place, bit in enumerate(bits))
     for place, address in enumerate(
-        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00, 0xB00, 0xC00)
+        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00, 0xB00, 0xC00, 0xD00)
     ):
         resp = (await axi.read(address))[1]
         assert resp == (AxiResp.OKAY if bits[place] else AxiResp.SLVERR), hex(address)
@@ -467,7 +468,7 @@ async def a_forest_decides_and_the_hand_closes(dut):
         slips = sum(of.slips for _, of in decisions)
     for kind, engine, address, data in loads:
         label, place = (address >> 16, address & 0xFFFF) if kind == words.VOTE else (0, address)
-        registers = {0xC10: kind | engine << 8 | label << 16, 0xC14: place, 0xC18: data >> 32, 0xC1C: data}
+        registers = {0xC10: kind | engine << 2 | label << 8, 0xC14: place, 0xC18: data >> 32, 0xC1C: data}
         for at, value in registers.items():
             assert await axi.write(at, value) == AxiResp.OKAY
     assert await axi.read(0xC2C) == (len(loads), AxiResp.OKAY)

@@ -34,8 +34,8 @@ def shown(source):
             thread.join()
 
 
-def of_pipe(pipe, known=None, **settings):
-    return web.OfCore(Core(Pipe(pipe), known, **settings), "a core")
+def of_pipe(pipe, known=None, title="a core", **settings):
+    return web.OfCore(Core(Pipe(pipe), known, **settings), title)
 
 
 TURN_S = 2.0

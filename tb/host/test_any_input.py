@@ -16,10 +16,12 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
+import h5py
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, seed, settings
+from scipy.io import savemat, wavfile
 
 from host.test_packet_c import decode_c, expected  # noqa: F401 - decode_c is a fixture
 from host.test_wire import crc32, stuffed
@@ -187,6 +189,13 @@ PRESS |= {"probed": np.array([[0, 0], [1, 2], [-1, -1], [0, 1]])}
 KINDS = ("i1", "u8", "f2", "f8", "?", "U3", "c8", "O", "M8[s]")
 SINGLE = [0, -1, 2**62, 1e300, float("nan"), "x", b"", 1j, True]
 TABLE = b"x, y\n1,2\n3,4095\n-1,0\n"
+TABLES = [
+    TABLE,
+    "Zeit;Kanal A\n(µs);(V)\n\n0,0;1,5\n50,0;-2\n".encode(),
+    b"Light:5,Heat:-2.5\nLight:6,Heat:3\n",
+]
+TABLES += [b"12:00:00.000 -> 5\n12:00:00.010 -> 6\n", b"#Sample rate: 1kHz\n#Time [s]\ta\n0.0\t1\n0.1\t2\n"]
+TABLES += [b"0,0.0,5\n1,0.1,6\n2,0.2,7\n3,0.3,8\n", b'"a (mV)","b"\n"1","x"\n']
 
 
 def packed(arrays, save=np.savez):
@@ -289,6 +298,30 @@ def read_recording(path):
         readers.read(path, shape=(1, 2) if path.suffix == ".csv" else None).scaled()
 
 
+def read_any(path):
+    """Nor does it take memory or time for what a file only declares."""
+    found = readers.read(path)
+    assert found.values.size <= 1000 and "\n" not in found.said
+    found.scaled(volts_per_code=0.5)
+
+
+def whole_files(suffix):
+    """A small file of another kind, by its library."""
+    made = io.BytesIO()
+    if suffix == ".mat":
+        savemat(made, {"x": CODES[0], "fs": 5.0})
+    elif suffix == ".wav":
+        wavfile.write(made, 800, CODES[0].astype(np.int16))
+    elif suffix == ".sr":
+        with zipfile.ZipFile(made, "w") as session:
+            session.writestr("metadata", "[device 1]\ntotal probes=0\nsamplerate=5 Hz\nanalog1=A\n")
+            session.writestr("analog-1-1-1", np.arange(5, dtype="<f4").tobytes())
+    else:
+        with h5py.File(made, "w") as file:
+            file["x"] = CODES[0]
+    return of(suffix, made.getvalue())
+
+
 def read_log(path):
     found = log.read(path)
     if found["image"].size < 1000:
@@ -303,6 +336,12 @@ READERS = {  # reader: (examples, its files)
         st.one_of(of(".npz", packed(PRESS)), of(".npy", packed(CODES.astype(np.int16))), of(".csv", TABLE)),
     ),
     calibration.load: (300, st.one_of(of(".npz", packed(KNOWN)), of(".npz", packed(BENT)))),
+    read_any: (
+        500,
+        st.one_of(
+            *(of(".csv", table) for table in TABLES), *map(whole_files, (".mat", ".wav", ".sr", ".h5"))
+        ),
+    ),
     read_log: (120, st.one_of(of(".npz", logged("npz")), of(".mcap", logged("mcap")))),
 }
 

@@ -149,6 +149,19 @@ def test_every_form_of_file(tmp_path, kind):
     assert fit(read(path)).value == pytest.approx([K0, K1, N], rel=1e-9)
 
 
+def test_columns_of_other_names_and_units(tmp_path):
+    """Times in ms and millivolts by the header, or the three columns by name and number."""
+    time_s, volts, speed = recording(steps())
+    path = write(
+        tmp_path / "a.csv", ("t (ms)", "Vc [mV]", "stage (mm/s)"), (1e3 * time_s, 1e3 * volts, speed)
+    )
+    assert fit(read(path)).value == pytest.approx([K0, K1, N], rel=1e-6)
+    path = write(tmp_path / "b.csv", ("v", "s", "t_ms"), (volts, speed, 1e3 * time_s))
+    assert fit(read(path, ["t,v", "2"])).value == pytest.approx([K0, K1, N], rel=1e-6)
+    with pytest.raises(ValueError, match="2 columns are named"):
+        read(path, ["1", "2"])
+
+
 def test_the_command_prints_constants_intervals_residuals_and_toml(tmp_path, capsys):
     rng = np.random.default_rng(2)
     rows = steps(share=lambda: np.exp(0.03 * rng.standard_normal()))

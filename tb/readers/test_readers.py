@@ -12,8 +12,11 @@ import pytest
 import scipy.io
 
 import meissner
-from meissner import engines, readers
+from meissner import engines, host, readers
+from meissner.host import line, log
+from meissner.host.simulated import SimulatedCore
 from meissner.physics.adc import Adc
+from meissner.twins.link import packet
 
 EVEN = {  # name: (text, names, unit, samples per second, values by column)
     "saleae.csv": (
@@ -69,6 +72,14 @@ EVEN = {  # name: (text, names, unit, samples per second, values by column)
     "alike.csv": ("t_us,v,v\n0,1,2\n8,3,5\n", ("v", "v 2"), "", 125e3, [[1, 3], [2, 5]]),
     "rising.csv": ("0,0.00,3\n1,0.02,1\n2,0.04,4\n3,0.06,1\n", ("column 3",), "", None, [[3, 1, 4, 1]]),
     "ramp.txt": ("0\n1\n2\n3\n4\n", ("column 1",), "", None, [[0, 1, 2, 3, 4]]),
+    "numbers.csv": ("t (s),1,2\n0.0,3,5\n0.5,4,6\n", ("1", "2"), "", 2, [[3, 4], [5, 6]]),
+    "text.csv": (
+        "when;Vc;finger\n01.02.2024 10:00:00;1,5;left\n01.02.2024 10:00:01;2,5;left\n",
+        ("Vc",), "", None, [[1.5, 2.5]],
+    ),
+    "stamped.log": (
+        "10:00:00.000 -> a:1\tb:2\n10:00:00.020 -> a:3\tb:5\n", ("a", "b"), "", 50, [[1, 3], [2, 5]],
+    ),
     "millis.csv": (  # 800 Hz, the times cut to milliseconds
         "ms,x\n" + "".join(f"{int(1.25 * k)},{k % 3}\n" for k in range(200)),
         ("x",), "", 800, [[k % 3 for k in range(200)]],
@@ -90,6 +101,7 @@ REFUSED = {
     "decimal.csv": ("Vc\n1,5\n2,5\n", "if the comma is their decimal sign"),
     "short.csv": ("a,b,c\n1,2,3\n4,5\n", "line 3: 2 values where the rows before have 3"),
     "reset.csv": ("a,b\n1,2\na,b\n3,4\n", "line 3: 'a,b' is text among the numbers"),
+    "error.csv": ("a,b\n1,err\n2,3\n", "line 2: '1,err' has text among numbers"),
     "labels.log": ("a:1,b:2\na:1,c:2\na:3,b:4\n", "other labels than a, b"),
     "names.csv": ("a,b\n1,2,3\n", "line 2: 3 values under the 2 names of line 1"),
     "only_time.csv": ("Time (s)\n0.0\n0.1\n", "no channel, only Time"),
@@ -146,6 +158,10 @@ def test_what_was_taken_is_one_line(tmp_path):
         "20000 Hz from Zeit"
     )
     (tmp_path / "r.csv").write_text(EVEN["rising.csv"][0])
+    (tmp_path / "w.csv").write_text(EVEN["text.csv"][0])
+    assert "decimal comma, without the text of when, without the text of finger; " in (
+        readers.read(tmp_path / "w.csv").said
+    )
     assert "column 1 left out, as it rises in equal steps of 1 (--column takes it)" in (
         readers.read(tmp_path / "r.csv").said
     )
@@ -392,6 +408,24 @@ def test_an_image_of_any_robot(tmp_path):
     assert found.values.tolist() == [[[k, 256 + k, 3], [4, 5, 60000]] for k in range(3)]
     assert found.rate_hz == pytest.approx(100)
     assert found.flat().values.tolist()[:2] == [[0, 1, 2], [256, 257, 258]]
+
+
+def test_a_log_of_a_core(tmp_path):
+    """Its images: taxels as channels, or as frames of process cop."""
+    model = SimulatedCore(size=(2, 3), clk_khz=1000)
+    with host.Core(line.Pipe(model)) as core, log.recording(tmp_path / "own.mcap", core) as out:
+        for k in range(4):
+            model.say(packet.COP, 5000 * k, packet.cop_frame(5, -6, 700, 1))
+            for part in packet.image_chunks(k, [100 * k + taxel for taxel in range(6)], 3):
+                model.say(packet.IMAGE, 5000 * k, part)
+        for item in core.packets(0.05):
+            out.add(item)
+    found = readers.read(tmp_path / "own.mcap")
+    images = [
+        [[100 * k, 100 * k + 1, 100 * k + 2], [100 * k + 3, 100 * k + 4, 100 * k + 5]] for k in range(4)
+    ]
+    assert found.values.tolist() == images and found.rate_hz == pytest.approx(200)
+    assert found.flat().values[4].tolist() == [4, 104, 204, 304]
 
 
 def test_hdf5(tmp_path):

@@ -92,16 +92,13 @@ def clocks():
     return time.process_time(), time.monotonic()
 
 
-def picture(path, width=1280, height=860, scheme="light", which="", whole=False, ready=8.0, span=10):
+def picture(path):
     """The page of ``live sim:`` a moment after a slip."""
-    pipe = of_scenes(which, speed="1")
-    with shown(of_pipe(pipe, pipe.units)) as (host, port), chromium.browser() as browser:
-        page = browser.open(f"http://{host}:{port}/", width, height, scheme)
-        page.until(f"window.meissner?.hello && meissner.newest > {ready}")
-        page.do(f"meissner.view.span = {span}")
-        page.until("meissner.events.some(one => one.text.includes('slip'))", 120)
-        time.sleep(0.6)
-        page.picture(path, whole)
+    pipe = of_scenes()
+    with shown(of_pipe(pipe, pipe.units, "sim:")) as (host, port), chromium.browser() as browser:
+        page = browser.open(f"http://{host}:{port}/", 1280, 990)
+        page.until("meissner.newest > 11", 120)
+        page.picture(path)
         assert not browser.wrong, browser.wrong
 
 

@@ -123,6 +123,7 @@ def sizes(parameters: dict[str, int], slip_pins: int = 0) -> dict[str, int]:
         "GROUP_BITS": max((pins.groups(parameters) - 1).bit_length(), 1),
     }
     found |= {"SDRAM": 1} if parameters.get("ForestSdram") else {}
+    found |= {"PIN_CHAINS": parameters["PinChains"]} if parameters.get("Display") else {}
     return found | ({"SLIP_PINS": slip_pins} if slip_pins else {})
 
 

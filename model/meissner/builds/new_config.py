@@ -13,7 +13,7 @@ from typing import Any
 
 from meissner.builds import config, pins
 from meissner.builds.flash import EVERY
-from meissner.builds.keys import FILES, PARTS
+from meissner.builds.keys import PARTS
 from meissner.files import check_out, written
 from meissner.tables import one_of
 from meissner.terminal import plain
@@ -59,7 +59,7 @@ def _answers(given: Namespace) -> dict[str, Any]:
 
     kinds = ", ".join(f"{kind} ({word})" for kind, word in WORDS.items())
     found = {"sensor": of("sensor", f"sensor: {kinds}", "channels")}
-    one_of("sensor", found["sensor"], FILES)
+    one_of("sensor", found["sensor"], WORDS)
     if found["sensor"] == "channels":
         found["channels"] = of("channels", "sensors, each on an input of the converter", 1, int)
     else:

@@ -70,7 +70,7 @@ def check(core: Core, model: Model) -> None:
         leaves=core["forest.leaves"] or 1,
         bits=core["forest.size.bits"],
     )
-    need = size_of(model, core["forest.size.engines"])
+    need = size_of(model, max(1, core["forest.size.engines"]))
     for name, least in vars(need).items():
         there = getattr(room, name)
         if least != there if name in ("features", "classes") else least > there:
@@ -111,7 +111,7 @@ def _write(core: Core, rows: list[Row]) -> bool:
 def _put(core: Core, run: list[Row]) -> None:
     kind, engine, address, _ = run[0]
     label = address >> 16 if kind == words.VOTE else 0
-    core["forest.target"] = kind | engine << 8 | label << 16
+    core["forest.target"] = kind | engine << 2 | label << 8
     core["forest.address"] = address & 0xFFFF if kind == words.VOTE else address
     high = None
     for _, _, _, data in run:
@@ -138,7 +138,7 @@ def decide(core: Core, forest: Forest, x: ArrayLike) -> ForestResult:
         for index, value in enumerate(values):
             top = words.THRESHOLD_LIMIT
             held = min(max(value, -top), top - 1)
-            core["forest.feature"] = held & 2 * top - 1 | index << 24
+            core["forest.feature"] = held & 2 * top - 1 | index << 22
         done = core["forest.decisions"]
         core["forest.start"] = 1
         wait(core, "forest.decisions", done, "the core did not decide", other=True)

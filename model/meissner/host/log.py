@@ -29,7 +29,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,9 @@ from meissner.host.core import Core, Counts
 from meissner.host.stamps import Stamps
 from meissner.host.table import COLUMNS, Facts, NpzLog, Table, read_rows
 from meissner.host.unfinished_log import UnfinishedLog, part_of
+
+if TYPE_CHECKING:
+    from meissner.host.simulated import Trace
 
 FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress less
 
@@ -77,7 +80,7 @@ KINDS: dict[str, type[McapLog] | type[NpzLog]] = {".npz": NpzLog, ".mcap": McapL
 class Writer(Protocol):
     """Takes packets with their time in ns of UTC, and facts."""
 
-    def add(self, stamp_ns: int, item: packets.Item | packets.Reset, /) -> None: ...
+    def add(self, stamp_ns: int, item: Any, /) -> None: ...
 
     def tell(self, facts: Facts, /) -> None: ...
 
@@ -102,8 +105,8 @@ class Log:
             self._stamps.moved = False
             self._writer.tell(self.facts())
 
-    def add(self, item: packets.Item) -> None:
-        for stamp, one in self._stamps.next(item):
+    def add(self, item: "packets.Item | Trace") -> None:
+        for stamp, one in self._stamps.next(cast("packets.Item", item)):  # a Trace has boot and time, too
             self._tell()
             self._writer.add(stamp, one)
         self.packets += 1

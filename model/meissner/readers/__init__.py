@@ -59,11 +59,9 @@ def table(path: str | PathLike[str], column: Sequence[str] = ()) -> Table:
     function = getattr(import_module(f"meissner.readers.{module}"), name)
     try:
         return function(path, tuple(column)) if kind in _CHOOSING else function(path)
-    except MemoryError:
+    except (MemoryError, PermissionError, FileNotFoundError):
         raise
     except Exception as problem:  # of any kind: a damaged file breaks its parser anywhere
-        if isinstance(problem, OSError) and problem.errno is not None:
-            raise
         what = (str(problem).splitlines() or [""])[0] or type(problem).__name__
         if isinstance(problem, ValueError) and what.startswith(str(path)):
             raise ValueError(what) from None
@@ -203,8 +201,8 @@ def read(
         raise ValueError(f"rate = {rate:g} must be a number of samples per second above 0")
     column = column or ()
     found, name = table(path, column), str(path)
-    chosen = [] if found.topic else [part for entry in column for part in _parts(entry, found)]
-    channels, aside = _channels(name, found, chosen, samples_first)
+    wanted = [] if found.topic else [part for entry in column for part in _parts(entry, found)]
+    channels, aside = _channels(name, found, wanted, samples_first)
     rate_hz, how_rate = _rate(name, found, [one for one, _ in aside if one.is_time], rate)
     given = None if unit is None else unit_of(unit)
     units = [given or one.unit for one in channels]
@@ -231,6 +229,13 @@ def read(
         values = _framed(name, values, shape)
     frames = shape is not None or found.frames
     return Recording(name, values, names, kinds.pop(), rate_hz, "; ".join(told), found.audio, frames)
+
+
+def chosen(path: str | PathLike[str], column: Sequence[str]) -> list[Column]:
+    """The columns of a file by names or numbers, times among them."""
+    found = table(path, column)
+    names = [part for entry in column for part in _parts(entry, found)]
+    return [_find(str(path), name, found.columns, found.how) for name in names]
 
 
 def taken(x: Any, samples_first: bool = False) -> Any:
@@ -266,17 +271,17 @@ def _find(path: str, name: str, columns: list[Column], how: str) -> Column:
 
 
 def _channels(
-    path: str, found: Table, chosen: list[str], samples_first: bool
+    path: str, found: Table, wanted: list[str], samples_first: bool
 ) -> tuple[list[Column], list[tuple[Column, str]]]:
     """(channels, columns that are none with the reason)."""
     columns = found.columns
     if len(columns) == 1 and not found.frames:
         columns = _split(columns[0], samples_first)
     aside = [(one, why) for one in columns if (why := _why(one))]
-    aside += _rising([one for one in columns if not _why(one)]) if not chosen else []
+    aside += _rising([one for one in columns if not _why(one)]) if not wanted else []
     channels = [one for one in columns if not any(one is other for other, _ in aside)]
-    if chosen:
-        channels = [_find(path, name, columns, found.how) for name in chosen]
+    if wanted:
+        channels = [_find(path, name, columns, found.how) for name in wanted]
         for one in channels:
             if why := _why(one):
                 raise ValueError(f"{path}: {one.name} is no channel: {why}")

@@ -61,7 +61,7 @@ def npz(path: Path, wanted: tuple[str, ...]) -> Table:
     arrays = files.read_arrays(path, take)
     if arrays is None:
         raise ValueError(f"{path} is not a .npz file of arrays of numbers")
-    how = f"arrays {', '.join(names[:8])}"
+    how = "arrays by name" if arrays else f"the arrays {', '.join(names[:8])}"
     return of_named({name: (array, "") for name, array in arrays.items()}, how, False)
 
 

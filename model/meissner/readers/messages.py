@@ -55,9 +55,7 @@ class Collected:
         stamps = np.array([stamp for stamp, _ in rows], np.int64)
         time = Column("stamps", "s", (stamps - stamps[0]) * 1e-9)
         body = values if values.ndim == 3 else np.moveaxis(values, 0, -1)
-        return Table(
-            [time, Column(name, "", body)], f"{self.how}, topic {name}", frames=rank == 0, topic=True
-        )
+        return Table([time, Column(name, "", body)], f"{self.how}, topic {name}", frames=rank < 2, topic=True)
 
 
 def _fields(message: Any) -> list[str]:
@@ -66,7 +64,7 @@ def _fields(message: Any) -> list[str]:
 
 
 def _numbers(message: Any, path: str = "") -> Iterator[tuple[int, str, NDArray[Any]]]:
-    """(0 of an image, 1 of an array, 2 of a single number; field; values)."""
+    """(0 of a TactileFrame, 1 of an image, 2 of an array, 3 of a single number; field; values)."""
     names = _fields(message)
     if {"rows", "columns", "taxels"} <= {*names}:
         if len(message.taxels):
@@ -77,7 +75,7 @@ def _numbers(message: Any, path: str = "") -> Iterator[tuple[int, str, NDArray[A
             kind = np.dtype(_IMAGES[message.encoding]).newbyteorder("<>"[bool(message.is_bigendian)])
             lines = np.frombuffer(bytes(message.data), "u1").reshape(message.height, message.step)
             row = np.ascontiguousarray(lines[:, : message.width * kind.itemsize])
-            yield 0, path, row.view(kind).astype(kind.newbyteorder("="))
+            yield 1, path, row.view(kind).astype(kind.newbyteorder("="))
         return
     for name in names:
         value = getattr(message, name)
@@ -85,7 +83,7 @@ def _numbers(message: Any, path: str = "") -> Iterator[tuple[int, str, NDArray[A
         if isinstance(value, bool | np.bool_ | str | bytes):
             continue
         if isinstance(value, int | float | np.number):
-            yield 2, where, np.asarray(value)
+            yield 3, where, np.asarray(value)
         elif isinstance(value, np.ndarray | list | tuple):
             values = (
                 np.asarray(value) if len(value) and not hasattr(value[0], "__dict__") else np.zeros(0, "U")
@@ -94,9 +92,9 @@ def _numbers(message: Any, path: str = "") -> Iterator[tuple[int, str, NDArray[A
                 continue
             sizes = [dim.size for dim in getattr(getattr(message, "layout", None), "dim", [])]
             if len(sizes) == 2 and np.prod(sizes) == values.size:
-                yield 0, where, values.reshape(sizes)
+                yield 1, where, values.reshape(sizes)
             else:
-                yield 1, where, values
+                yield 2, where, values
         elif _fields(value):
             yield from _numbers(value, where)
 

@@ -76,22 +76,35 @@ class _Text:
             self.refuse(f" has {self.count} columns, more than the core's {MAX_CHANNELS} channels")
         self._check_rows()
         names, units = self._header(head)
-        self.names = names or [f"column {k}" for k in range(1, self.count + 1)]
+        named = bool(names or self.labels)
+        names = names or self.labels or [f"column {k}" for k in range(1, self.count + 1)]
+        units = units or [""] * self.count
+        words = self._words()
+        if words:
+            rest = [k for k in range(self.count) if k not in words]
+            rows = [(at, _fields(line, mark)) for at, line in self.data]
+            self.data = [(at, mark.join(fields[k] for k in rest)) for at, fields in rows]
+            words, names, units = (
+                [names[k] for k in words],
+                [names[k] for k in rest],
+                [units[k] for k in rest],
+            )
+        self.names = names
         decimal = self._decimal()
         values = self._values(decimal)
-        columns = [
-            column(name, each, unit, bool(names))
-            for name, unit, each in zip(self.names, units or [""] * self.count, values)
-        ]
+        columns = [column(name, each, unit, named) for name, unit, each in zip(names, units, values)]
         if self.stamps is not None:
             columns.insert(0, Column("time of the monitor", "s", self.stamps))
-        if not names and self.labels:
-            columns = [column(name, each) for name, each in zip(self.labels, values)]
-        comma = ", decimal comma" if decimal == "," else ""
-        return Table(numbered(columns), f"{NAMES[mark]}{comma}", self._rate())
+        how = f"{NAMES[mark]}{', decimal comma' if decimal == ',' else ''}"
+        return Table(
+            numbered(columns),
+            f"{how}{''.join(f', without the text of {word}' for word in words)}",
+            self._rate(),
+        )
 
     def _first(self) -> int:
-        """Index of the first row of numbers."""
+        """Index of the first row of numbers; if all have text in them, of the first with any number."""
+        mixed = None
         for at, (_, line) in enumerate(self.lines[:1000]):
             fields = _fields(line, _mark(line))
             if len(fields) > MOST:
@@ -99,10 +112,18 @@ class _Text:
             known = [bool(_LOOSE.fullmatch(field)) for field in fields]
             if any(known) and all(k or _MISSING.fullmatch(field) for k, field in zip(known, fields)):
                 return at
+            mixed = at if mixed is None and any(known) else mixed
+        if mixed is not None:
+            return mixed
         if not self.lines:
             self.refuse(" holds no numbers: it is empty")
         shown = " and ".join(f"line {at} is '{line[:40]}'" for at, line in self.lines[:2])
         self.refuse(f" holds no rows of numbers: {shown}")
+
+    def _words(self) -> list[int]:
+        """Places of columns of text, by the first row."""
+        fields = _fields(self.data[0][1], self.mark)
+        return [k for k, f in enumerate(fields) if not (_LOOSE.fullmatch(f) or _MISSING.fullmatch(f))]
 
     def _check_rows(self) -> None:
         """ValueError unless every row has as many values as the first."""
@@ -145,6 +166,9 @@ class _Text:
             if not units and all(_is_unit(field) for field in fields):
                 units = [unit_of(field) for field in fields]
                 continue
+            timed = any(column(field, np.zeros(1)).is_time for field in fields)
+            if any(_LOOSE.fullmatch(field) for field in fields) and not timed:
+                self.refuse(f", line {at}: '{line[:40]}' has text among numbers")
             return fields, units
         before = self.data[0][0]
         near = [line.lstrip("#%/ ") for at, line in self.comments if at < before][-1:]

@@ -81,16 +81,17 @@ class OfPins:
     twins'."""
 
     def __init__(self, pipe: CoreOnPins) -> None:
-        self._pipe, config = pipe, pipe.config.slip
-        span, hop = (each >> config.level for each in (config.window, config.hop))
+        assert pipe.config.slip is not None  # it has channels
+        self._pipe, self._slip = pipe, pipe.config.slip
+        span, hop = (each >> self._slip.level for each in (self._slip.window, self._slip.hop))
         self._spans, self._done = PeakToPeak(pipe.config.channels, span, hop), 0
 
     def take(self) -> Iterator[Trace]:
         pipe, config = self._pipe, self._pipe.config
-        step = BLOCK << config.slip.level
+        step = BLOCK << self._slip.level
         while self._done + step <= pipe.frames:
             codes = pipe.codes[np.arange(self._done, self._done + step) % len(pipe.codes)].T
-            p2p, _ = self._spans.next(details(codes, config.slip)[0])
+            p2p, _ = self._spans.next(details(codes, self._slip)[0])
             yield traced(config.clk_khz, config.rate_hz, self._done, codes, p2p)
             self._done += step
 
@@ -116,8 +117,9 @@ class OfCore:
         self._polled, self._told = time.monotonic(), 0.0
         self._turn = deque(self._settings)
         self._pipe = getattr(core.line, "pipe", None)
-        single = isinstance(self._pipe, CoreOnPins) and self._pipe.config.kind == "channels"
-        self._pins = OfPins(self._pipe) if single else None
+        self._pins = None
+        if isinstance(self._pipe, CoreOnPins) and self._pipe.config.kind == "channels":
+            self._pins = OfPins(self._pipe)
         core.ask_states()
 
     def stop(self) -> None:

@@ -168,7 +168,7 @@ on("SlipEvent", row => {
 });
 on("StateChange", row => {
   page.states.push(row.channel, row.t, {state: row.state, p2p: row.p2p});
-  if ((page.hello.core.rows ?? 1) > 1 && row.state !== 2 && row.state !== 3) return;  // a press on an array changes too many
+  if ((page.hello.core.rows ?? 1) > 1 && !page.traces.size && row.state !== 2 && row.state !== 3) return;  // a press on an array changes too many
   event(row.t, `channel ${channelName(row.channel)}: ${stateName(row.before)} to ${stateName(row.state)}`, row.state);
 });
 on("States", row => row.states.forEach((state, k) => {
