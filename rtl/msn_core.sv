@@ -371,6 +371,6 @@ module msn_core #(
 
   // Signals that some builds do not use.
   logic unused;
-  assign unused = ^{cfg, sample, stream, in_data_i, slip_busy, health_ready, cop_slip_ready};
+  assign unused = ^{cfg, sample, stream, in_data_i, frame_busy, health_ready, cop_slip_ready};
 
 endmodule

@@ -84,7 +84,10 @@ async def recovers_after_reset(dut):
         assert [beat["last"] for beat in got] == ([0] * (channels * window - 1) + [1]) * len(rows)
 
 
-EVIDENCE = {"equivalence": {"size": {"Channels": 3}}}
+EVIDENCE = {
+    "equivalence": {"size": {"Channels": 3}},
+    "faults": {"size": {"Channels": 3}, "settle": 3},  # a window, and the frame before it
+}
 
 SPACE = lambda draw: {
     "Channels": draw.randint(1, 12),

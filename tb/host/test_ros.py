@@ -19,7 +19,7 @@ from harness import rclpy_stand_in as stand_in
 from meissner import host
 from meissner.builds import units
 from meissner.builds.toolchain import ROOT
-from meissner.host import line, log, packets, ros, stamps, stream
+from meissner.host import foxglove_bridge, line, log, packets, ros, stamps, stream
 from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import packet as p
 
@@ -489,7 +489,7 @@ def test_thresholds_that_read_back_otherwise_are_put_back():
 
 
 def test_the_layout_shows_what_is_sent():
-    layout = json.loads((ROOT / "ros2/foxglove_layout.json").read_text("utf-8"))
+    layout = json.loads(foxglove_bridge.LAYOUT.read_text("utf-8"))
     shown = []
     for panel in layout["configById"].values():
         shown += [path["value"] for path in panel.get("paths", [])]

@@ -227,11 +227,11 @@ def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, undrawn, n
     assert not missing, f"report_words.WORDS has no words for {missing}"
     raw = [words for words in page.all_text("th", "td", "h2") if "_" in words and words != name]
     assert not raw, raw
-    column = r'<th scope="col" title="([^"]+)">([^<]+)</th>'
+    cell = r'<th scope="col" title="([^"]+)">([^<]+)</th>'
     for head in re.findall(r"<thead>(.*?)</thead>", text):
-        assert len({short for _, short in re.findall(column, head)}) == len(re.findall(column, head)), head
-    for whole, label in re.findall(column, text):
-        name = label.rpartition(" (")[0] if label.endswith(")") else label
+        assert len({short for _, short in re.findall(cell, head)}) == len(re.findall(cell, head)), head
+    for whole, column in re.findall(cell, text):
+        name = column.rpartition(" (")[0] if column.endswith(")") else column
         assert len(name.split()) <= 2 or name.endswith(" %"), (
             f"report_words.SHORT has no two words for {whole!r}"
         )

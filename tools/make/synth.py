@@ -249,7 +249,7 @@ def after(board, name):
         "its port": f"{usb['port']}, {usb['about']}, {baud} baud; .venv/bin/meissner ports asks what answers",
         "once": "sudo cp host/60-meissner.rules /etc/udev/rules.d/ && sudo udevadm control --reload && "
         "sudo udevadm trigger",
-        "see it": f".venv/bin/meissner live {usb['port']} --config {config}",
+        "see it": f".venv/bin/meissner live {usb['port']} --config {config} --web",
     }
     return [f"  {what:<9} {how}" for what, how in steps.items()]
 

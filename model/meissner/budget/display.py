@@ -22,8 +22,12 @@ def of_config(config):
     display = config.features["display"]
     size, clock_hz = display.size, 1000 * config.clk_khz
     wait = ceil((1 << PHASE_BITS) / display.pins.increment)
-    terms = {"render": display.render_of(shape_of(config)).clocks, "wait": wait, "limits": size.pins, "shift":
-    size.lead - size.pins}
+    terms = {
+        "render": display.render_of(shape_of(config)).clocks,
+        "wait": wait,
+        "limits": size.pins,
+        "shift": size.lead - size.pins,
+    }
     total, fixed = sum(terms.values()), sum(terms.values()) - wait
     return {
         "config": config.name,

@@ -4,10 +4,12 @@ from collections.abc import Callable
 from queue import Empty, SimpleQueue
 from typing import Any
 
+from meissner.builds.toolchain import ROOT
 from meissner.host.core import Core
 from meissner.host.ros import TOPICS, definition, full_name, serialised
 from meissner.host.stream import set_thresholds, stream, thresholds
 
+LAYOUT = ROOT / "ros2/foxglove_layout.json"
 ANSWER_S = 5.0  # that a client's question may wait for the core
 
 
@@ -86,7 +88,7 @@ def run(core: Core, seconds: float | None, listen_on: str, say: Callable[[str], 
         )
     except (OSError, RuntimeError) as problem:
         raise OSError(f"{listen_on} cannot be listened on: {problem}") from None
-    say(f"Foxglove or Lichtblick: open ws://{host}:{server.port}; Ctrl-C ends")
+    say(f"Foxglove or Lichtblick: open ws://{host}:{server.port}, import the layout {LAYOUT}; Ctrl-C ends")
     try:
         for found in stream(core, seconds):
             if found is not None:

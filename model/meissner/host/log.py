@@ -29,7 +29,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,7 +106,7 @@ class Log:
             self._writer.tell(self.facts())
 
     def add(self, item: "packets.Item | Trace") -> None:
-        for stamp, one in self._stamps.next(item):
+        for stamp, one in self._stamps.next(cast("packets.Item", item)):  # a Trace has boot and time, too
             self._tell()
             self._writer.add(stamp, one)
         self.packets += 1

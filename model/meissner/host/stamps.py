@@ -3,14 +3,10 @@
 import time
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 from meissner.host import packets
 from meissner.host.core import Core
 from meissner.twins.link.packet import TIMES
-
-if TYPE_CHECKING:
-    from meissner.host.simulated import Trace
 
 DRIFT_PPM = 200  # of two crystals together, at most
 LATE_NS = 10**9  # a packet that seems later than this means that the core's clock stood still
@@ -55,9 +51,7 @@ class Stamps:
         assert self._core.units.clk_khz
         return ticks * 10**6 // self._core.units.clk_khz
 
-    def next(
-        self, item: "packets.Item | Trace"
-    ) -> Iterator[tuple[int, "packets.Item | packets.Reset | Trace"]]:
+    def next(self, item: packets.Item) -> Iterator[tuple[int, packets.Item | packets.Reset]]:
         if isinstance(item, packets.Gap):
             stamp = time.time_ns()
         else:
