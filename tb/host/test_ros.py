@@ -264,11 +264,11 @@ def test_rosbags_opens_and_converts_a_log_without_loss(tmp_path, store):
 
 
 def test_a_log_that_is_cut_still_opens(tmp_path):
-    """At every length: what is complete is read, and an image comes with its number or not at all."""
+    """At many lengths: what is complete is read, and an image comes with its number or not at all."""
     with mock.patch.object(log, "FLUSH_S", -1.0):
         recorded(tmp_path / "a.mcap")
     whole, most = (tmp_path / "a.mcap").read_bytes(), 0
-    for end in range(len(whole) // 3, len(whole), 11):
+    for end in range(len(whole) // 3, len(whole), 97):
         (tmp_path / "cut.mcap").write_bytes(whole[:end])
         try:
             found = log.read(tmp_path / "cut.mcap")
