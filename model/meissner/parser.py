@@ -3,7 +3,7 @@ NumPy or SciPy; ``call`` names the function that does the work, "module:function
 
 import argparse
 
-from meissner.names import DISTRIBUTION, EVERY, NAMES, PICTURE
+from meissner.names import EVERY, NAMES, PICTURE
 from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
@@ -19,9 +19,9 @@ class _Version(argparse.Action):
         super().__init__(*names, nargs=0, **more)
 
     def __call__(self, parser, *_):
-        from importlib.metadata import version
+        from meissner import __version__
 
-        print(f"meissner {version(DISTRIBUTION)}")
+        print(f"meissner {__version__}")
         parser.exit()
 
 

@@ -116,7 +116,7 @@ def test_bytes_are_those_of_rosbags(store):
 
 def test_the_bytes_of_dds_are_those_of_rosbags():
     """Cyclone DDS' own serialisation against ours, which the test above compares."""
-    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner[dds]'")
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner-touch[dds]'")
     from meissner.host import dds_bridge
 
     of = dds_bridge.classes()
