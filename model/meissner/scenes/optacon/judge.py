@@ -1,4 +1,4 @@
-"""Judging pins under a finger: each kind's summary, arrays and rows. ``KINDS``: the function of each kind but touch.
+"""Judging pins under a finger: each kind's summary, arrays and rows. ``KINDS``: the function of each, but of touch.
 
 ``conclusions`` are the paper's four, of displacements by voltage and frequency:
 
