@@ -8,9 +8,9 @@ import pytest
 
 from forest.trees import forest
 from meissner.builds import board_files, boards, config
+from meissner.builds.features.forest import LARGEST, bits_of
 from meissner.builds.pins import assign as pins_of
 from meissner.builds.pins import description as pins_description
-from meissner.builds.features.forest import LARGEST, bits_of
 from meissner.forest import file
 
 FINGER = {
