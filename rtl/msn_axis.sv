@@ -28,6 +28,11 @@ module msn_axis #(
   parameter  bit          ShearSpeed       = 1'b0,
   parameter  bit          Forest           = 1'b0,
   parameter  bit          ForestFrames     = 1'b1,
+  parameter  bit          Display          = 1'b0,
+  parameter  int unsigned PinRows          = 5,
+  parameter  int unsigned PinColumns       = 20,
+  parameter  int unsigned PinChains        = 1,
+  parameter  int unsigned AmplitudeBits    = 4,
   parameter  bit          Statistics       = 1'b1,
   parameter  int unsigned Level            = 1,
   parameter  int unsigned Window           = 64,
@@ -91,7 +96,13 @@ module msn_axis #(
   output logic               pressed_o,
   output logic               grip_valid_o,
   output logic signed [16:0] grip_word_o,
-  output logic               pwm_o
+  output logic               pwm_o,
+  output logic [PinChains-1:0] hv_data_o,
+  output logic               hv_clk_o,
+  output logic               hv_le_o,
+  output logic               hv_bl_o,
+  output logic               hv_pol_o,
+  output logic               hv_dir_o
 );
 
   localparam int unsigned Beats  = Array ? Rows * ((Columns + Wide - 1) / Wide) : Channels;
@@ -146,7 +157,9 @@ module msn_axis #(
     .ForestClasses(ForestClasses), .ForestTrees(ForestTrees), .ForestNodes(ForestNodes),
     .ForestLeaves(ForestLeaves), .ForestEngines(ForestEngines), .ForestBanks(ForestBanks),
     .ForestLanes(ForestLanes), .Statistics(Statistics), .Uart(1'b0),
-    .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2),
+    .Display(Display), .PinRows(PinRows), .PinColumns(PinColumns), .PinChains(PinChains),
+    .AmplitudeBits(AmplitudeBits), .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift),
+    .TareLog2(TareLog2),
     .Lag(Lag), .SlipDepth(SlipDepth), .StatisticBits(StatisticBits), .Chunk(Chunk), .Resets(Resets)
   ) u_core (
     .clk_i, .rst_i,
@@ -157,6 +170,7 @@ module msn_axis #(
     .in_valid_i(s_axis_tvalid), .in_ready_o(ready), .in_data_i(samples), .in_id_i(id),
     .in_last_i(s_axis_tlast),
     .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o, .grip_word_o, .pwm_o,
+    .hv_data_o, .hv_clk_o, .hv_le_o, .hv_bl_o, .hv_pol_o, .hv_dir_o,
     .sdram_o(unused_sdram), .sdram_dq_i('0), .verdict_o(unused_verdict), .decision_o(unused_decision),
     .rx_i(1'b1), .tx_o(unused_tx),
     .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),

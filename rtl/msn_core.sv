@@ -8,6 +8,7 @@
 //                                                 └─ results, reports ─────┘
 //   shear_speeds (ShearSpeed) ─ actuate (Grip) ─ words, pulses for a hand, from channels' samples, decisions, speeds
 //   classify (Forest) ─ class of a window of frames, or of features in registers: packets, and the hand's slip
+//   display (Display) ─ pins of a tactile display, from images, centres of pressure, slips or a host
 //
 // Adc = AdcNone: complete frames of samples enter on the stream, for an array Converters lanes wide. Uart = 0: packets
 // leave as bytes and the register bus is a port, for msn_axis. SlipOnly: the smaller link that sends only slip events.
@@ -43,6 +44,7 @@ module msn_core #(
   parameter  bit          Forest           = 1'b0,              // this and the following: msn_classify
   parameter  bit          ForestFrames     = 1'b1,
   parameter  bit          ForestSdram      = 1'b0,
+  parameter  bit          Display          = 1'b0,              // a tactile display
   parameter  bit          Statistics       = 1'b1,
   parameter  bit          Registers        = 1'b1,
   parameter  bit          Uart             = 1'b1,
@@ -63,6 +65,10 @@ module msn_core #(
   parameter  int unsigned Skip             = 4,
   parameter  int unsigned Shift            = 3,
   parameter  int unsigned Lag              = 16,
+  parameter  int unsigned PinRows          = 5,
+  parameter  int unsigned PinColumns       = 20,
+  parameter  int unsigned PinChains        = 1,
+  parameter  int unsigned AmplitudeBits    = 4,                 // of a pin's level
   parameter  int unsigned BaudHz           = 3_000_000,
   parameter  int unsigned SlipDepth        = 64,
   parameter  int unsigned StatisticBits    = 22,
@@ -115,6 +121,12 @@ module msn_core #(
 
   output msn_pkg::sdram_t                 sdram_o,           // ForestSdram
   input  logic [15:0]                     sdram_dq_i,
+  output logic [PinChains-1:0]            hv_data_o,         // msn_pin_shift's
+  output logic                            hv_clk_o,
+  output logic                            hv_le_o,
+  output logic                            hv_bl_o,
+  output logic                            hv_pol_o,
+  output logic                            hv_dir_o,
 
   output msn_pkg::verdict_t               verdict_o,         // each decision of the slip chain, for a bench
   output msn_pkg::decision_t              decision_o,        // or an engine, with verdict_o.valid
@@ -168,7 +180,7 @@ module msn_core #(
   msn_registers #(
     .Adc(!Array && Pins), .Slip(Slip), .Scan(Array && Pins), .Health(Health), .Tare(Tare), .Calibrate(Array),
     .Cop(Array), .Cop4(Cop4), .CopSlip(CopSlip), .Link(1'b1), .Grip(Grip),
-    .ShearSpeed(ShearSpeed), .Forest(Forest), .Resets(Resets),
+    .ShearSpeed(ShearSpeed), .Forest(Forest), .Display(Display), .Resets(Resets),
     .DetailBits(DetailBits), .TimerBits(TimerBits), .LoadBits(LoadBits), .OffsetBits(OffsetBits)
   ) u_registers (
     .clk_i, .rst_i,
@@ -182,6 +194,7 @@ module msn_core #(
   msn_registers_pkg::grip_status_t        of_grip;
   msn_registers_pkg::shear_speed_status_t of_shear;
   msn_registers_pkg::forest_status_t      of_forest;
+  msn_registers_pkg::display_status_t     of_display;
   always_comb begin
     status              = sensor_status;
     {status.core.size_rows, status.core.size_columns} = Array ? {16'(Rows), 16'(Columns)} :
@@ -190,7 +203,7 @@ module msn_core #(
     status.core.beats   = Array ? 21'(Rows * RowBeats) : 21'd0;
     status.core.lanes   = Array ? 4'(Lanes) : 4'd0;
     {status.slip, status.link, status.grip, status.shear_speed} = {of_slip, of_link, of_grip, of_shear};
-    status.forest = of_forest;
+    {status.forest, status.display} = {of_forest, of_display};
   end
 
   // The sensor: single samples for the slip path, and centres of pressure.
@@ -214,8 +227,8 @@ module msn_core #(
     msn_sensor_array #(
       .Adc(Adc), .Converters(Converters), .AdcLanes(AdcLanes), .AdcChannels(AdcChannels), .ClkKhz(ClkKhz),
       .SclkKhz(SclkKhz), .ReadDuring(ReadDuring), .Rows(Rows), .Columns(Columns), .Demod(Demod),
-      .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Tap(Slip || Image || (Forest && ForestFrames)),
-      .GainShift(GainShift), .TareLog2(TareLog2),
+      .Health(Health), .Tare(Tare), .RowColumn(RowColumn),
+      .Tap(Slip || Image || Display || (Forest && ForestFrames)), .GainShift(GainShift), .TareLog2(TareLog2),
       .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Form(Form),
       .SamplesPerPeriod(SamplesPerPeriod), .SamplePeriod(SamplePeriod), .Periods(Periods), .Skip(Skip),
       .Shift(Shift)
@@ -320,6 +333,19 @@ module msn_core #(
     .decided_i(decided), .slips_i(forest_slips), .grip_valid_o, .grip_word_o, .pwm_o
   );
 
+  localparam bit Imaged = Array || (!Cop4 && Channels > 1);
+  msn_display #(
+    .Display(Display), .Suits(Imaged || Cop4), .Image(Imaged), .Directed(CopSlip), .Rows(Array ? Rows : 1),
+    .Columns(Array ? Columns : (Channels > 1) ? Channels : 2), .PinRows(PinRows), .PinColumns(PinColumns),
+    .Chains(PinChains), .AmplitudeBits(AmplitudeBits), .ClkKhz(ClkKhz)
+  ) u_display (
+    .clk_i, .rst_i, .cfg_i(cfg.display), .status_o(of_display),
+    .image_valid_i(sample_valid && sample_ready), .image_data_i(sample < 0 ? 16'd0 : 16'(sample)),
+    .image_last_i(sample_last), .cop_valid_i(cop_valid), .cop_i(cop), .slip_i(slip_o || gross_o),
+    .raised_i(cop_slip_valid && cop_slip.raised), .octant_i(cop_slip.p2p[2:0]), .sensor_i(sensor_status),
+    .hv_data_o, .hv_clk_o, .hv_le_o, .hv_bl_o, .hv_pol_o, .hv_dir_o
+  );
+
   // Packets to the host, commands from it.
   msn_link #(
     .ClkKhz(ClkKhz), .BaudHz(BaudHz), .SlipOnly(SlipOnly), .Uart(Uart), .Registers(Registers), .Array(Array),
@@ -345,6 +371,6 @@ module msn_core #(
 
   // Signals that some builds do not use.
   logic unused;
-  assign unused = ^{cfg, sample, stream, in_data_i, slip_busy, health_ready, cop_slip_ready};
+  assign unused = ^{cfg, sample, stream, in_data_i, frame_busy, health_ready, cop_slip_ready};
 
 endmodule

@@ -79,6 +79,12 @@ rtl/link/msn_crc32.sv
 rtl/link/msn_packet_slip.sv
 rtl/link/msn_image_store.sv
 rtl/link/msn_image_chunks.sv
+rtl/actuate/msn_pin_phase.sv
+rtl/actuate/msn_pin_limits.sv
+rtl/actuate/msn_pin_shift.sv
+rtl/actuate/msn_pin_display.sv
+rtl/actuate/msn_render.sv
+rtl/actuate/msn_display.sv
 rtl/link/msn_state_report.sv
 rtl/link/msn_packet.sv
 rtl/link/msn_cobs.sv

@@ -20,6 +20,7 @@ module finger (
   logic        unused_group, unused_convst, unused_adc_reset, unused_ready, unused_done, unused_error;
   logic        unused_valid, unused_last, unused_gross, unused_touched, unused_pressed, unused_grip,
                unused_pwm;
+  logic [5:0]  unused_hv;
   logic [7:0]  unused_bytes;
   logic [31:0] unused_word;
   logic [16:0] unused_command;
@@ -63,6 +64,12 @@ module finger (
     .pwm_o            (unused_pwm),
     .sdram_o          (unused_sdram),
     .sdram_dq_i       ('0),
+    .hv_data_o        (unused_hv[0]),
+    .hv_clk_o         (unused_hv[1]),
+    .hv_le_o          (unused_hv[2]),
+    .hv_bl_o          (unused_hv[3]),
+    .hv_pol_o         (unused_hv[4]),
+    .hv_dir_o         (unused_hv[5]),
     .verdict_o        (unused_verdict),
     .decision_o       (unused_decision),
     .rx_i,

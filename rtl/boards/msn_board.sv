@@ -39,6 +39,14 @@ module msn_board (
   input  logic [15:0]                sdram_dq_i,
 `endif
   output logic                       pressed_o,
+`ifdef MSN_PIN_CHAINS
+  output logic [`MSN_PIN_CHAINS-1:0] hv_data_o,    // of the pin display
+  output logic                       hv_clk_o,
+  output logic                       hv_le_o,
+  output logic                       hv_bl_o,
+  output logic                       hv_pol_o,
+  output logic                       hv_dir_o,
+`endif
   output logic                       pwm_o         // of the grip reflex
 );
 
@@ -72,6 +80,11 @@ module msn_board (
     .in_valid_i(1'b0), .in_ready_o(), .in_data_i('0), .in_id_i('0), .in_last_i(1'b0),
     .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o(), .grip_word_o(), .pwm_o,
     .sdram_o(sdram), .sdram_dq_i(sdram_dq),
+`ifdef MSN_PIN_CHAINS
+    .hv_data_o, .hv_clk_o, .hv_le_o, .hv_bl_o, .hv_pol_o, .hv_dir_o,
+`else
+    .hv_data_o(), .hv_clk_o(), .hv_le_o(), .hv_bl_o(), .hv_pol_o(), .hv_dir_o(),
+`endif
     .verdict_o(verdict), .decision_o(decision), .rx_i, .tx_o,
     .bus_valid_i(1'b0), .bus_write_i(1'b0), .bus_address_i('0), .bus_wdata_i('0), .bus_strobe_i('0),
     .bus_done_o(), .bus_error_o(), .bus_rdata_o(),

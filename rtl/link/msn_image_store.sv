@@ -8,7 +8,7 @@
 // missing is dropped too. dropped_o counts all dropped images.
 //
 // The reader sets read_begun_i while it reads and read_done_i for a clock at the end; read_data_o is the taxel at
-// the read_address_i of two clocks before.   Model: model/meissner/twins/link/images.py
+// the read_address_i of two clocks before. Until a new image it may read the last one again.   Model: model/meissner/twins/link/images.py
 
 module msn_image_store #(
   parameter  int unsigned Taxels      = 4096,
@@ -46,7 +46,7 @@ module msn_image_store #(
   assign final_place = place == AddressBits'(Taxels - 1);
   assign whole       = in_valid_i && in_last_i && final_place && !dropping;
   assign broken      = in_valid_i && !dropping && in_last_i != final_place;
-  assign move        = held && !(read_valid_o && (read_begun_i || read_done_i));
+  assign move        = held && !read_begun_i && !read_done_i;
   assign replaced    = in_valid_i && first && held && !move;
 
   always_ff @(posedge clk_i) begin
@@ -85,7 +85,7 @@ module msn_image_store #(
   // the other bank.
   msn_check u_read_is_not_written (
     .clk_i, .rst_i,
-    .wrong_i(!rst_i && read_valid_o && (read_begun_i || read_done_i) && in_valid_i && !dropping && move)
+    .wrong_i(!rst_i && (read_begun_i || read_done_i) && in_valid_i && !dropping && move)
   );
 
 endmodule

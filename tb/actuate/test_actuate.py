@@ -45,6 +45,8 @@ class Stage:
             "sample_valid_i": 0,
             "sample_data_i": 0,
             "sample_id_i": 0,
+            "decided_i": 0,
+            "slips_i": 1,
         }
         if self.started:
             for name, value in (quiet | {"cfg_i": self.word()}).items():
@@ -64,10 +66,11 @@ class Stage:
         self.settings |= settings
         self.dut.cfg_i.value = self.word()
 
-    async def clock(self, verdict=None, sample=None, shear=None, **adc):
+    async def clock(self, verdict=None, sample=None, shear=None, slips=None, **adc):
         """``verdict``: (finger, over, end); ``sample``: (finger, code); ``shear``: (finger, ok, speed);
-        ``adc``: counters that change."""
+        ``slips``: of a decision of the forest; ``adc``: counters that change."""
         dut, self.adc = self.dut, self.adc | adc
+        dut.decided_i.value, dut.slips_i.value = slips is not None, 1 if slips is None else slips
         finger, over, end = verdict or (0, 1, 1)
         word = {"valid": verdict is not None, "over": over, "last": end, "id": finger}
         dut.verdict_i.value = members.word("verdict", {name: int(value) for name, value in word.items()})
@@ -335,6 +338,48 @@ async def a_mode_that_changes_sends_no_width_of_the_other(dut):
         assert not any([(await stage.clock())["pwm"] for _ in range(20)]), at
 
 
+@bench.applies(lambda dut: dut.Grip.value == 1 and dut.Single.value == 0)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_slip_of_the_forest_marks_the_next_detail_of_every_finger(dut):
+    """Once each: a step of 7. A decision that is no slip marks none; a reset forgets the marks."""
+    stage = Stage(dut)
+    await stage.begin()
+    await stage.rest(60)
+
+    async def closes(finger):
+        await stage.clock((finger, 0, 1))
+        return [word["increment"] for word in await stage.rest(80) if word["increment"]]
+
+    await stage.clock(slips=0)
+    assert await closes(0) == []
+    await stage.clock(slips=1)
+    assert [await closes(finger) for finger in (1, 0, 2, 1, 0)] == [[7], [7], [7], [], []]
+    await stage.clock((0, 0, 1), slips=1)  # of the detail before
+    assert [await closes(0), await closes(0)] == [[7], []]
+    await stage.clock(slips=1)
+    await stage.begin()
+    await stage.rest(60)
+    assert await closes(0) == []
+
+
+@bench.applies(lambda dut: dut.Single.value == 1)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def the_forest_is_the_only_finger(dut):
+    """Each decision is a window of it, others are not; without decisions it is silent, and a
+    lost conversion makes it unhealthy."""
+    stage = Stage(dut)
+    await stage.begin(watchdog=4)
+    await stage.rest(60)
+    for slips, closes in ((1, [7]), (0, []), (1, [7]), (1, [7])):
+        await stage.clock((0, 1, 1), slips=slips)
+        assert [word["increment"] for word in await stage.rest(80) if word["increment"]] == closes
+    assert (await stage.clock())["fault"] == 0
+    assert (await stage.rest(200))[-1]["fault"] == SILENT
+    await stage.clock(slips=1)
+    await stage.clock(timeout=1)
+    assert UNHEALTHY in {word["fault"] & UNHEALTHY for word in await stage.rest(60)}
+
+
 @bench.applies(lambda dut: dut.Grip.value == 0)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def without_the_reflex_nothing_comes(dut):
@@ -353,6 +398,10 @@ EVIDENCE = {
 @pytest.mark.parametrize("parameters", [{"Fingers": 8}, {"Fingers": 3, "SampleBits": 17}, {"Grip": 0}])
 def test_actuate(parameters):
     bench.run("actuate", "actuate", parameters)
+
+
+def test_actuate_of_an_array():
+    bench.run("actuate", "actuate", {"Single": 1, "Fingers": 1}, "the_forest_is_the_only_finger")
 
 
 def test_refuses_a_core_that_does_not_suit():

@@ -34,6 +34,23 @@ PAIRS = [(board, name) for board, name in boards.pairs()]
 USERS = [("ulx3s", name) for name in users.USERS] + [("icebreaker", "two"), ("arty_a7", "lanes")]
 
 
+NOTHING = """
+about = "a forest for rows from a host"
+[clock]
+mhz = 25.0
+[sensor]
+kind = "none"
+[forest]
+source = "host"
+features = 4
+classes = 2
+trees = 3
+nodes = 50
+leaves = 60
+bits = 13
+"""
+
+
 class Seen:
     """``texts``: [(x, y, text)]; ``joined(a, b)``: whether lines lead from one place to the other."""
 
@@ -119,6 +136,14 @@ def test_every_net_of_the_constraints_is_on_the_drawing_with_its_pin(board, name
 def test_a_users_configuration_is_drawn_whole(board, name, tmp_path):
     file = users.write(tmp_path, name, users.CLOCKS[board])
     _, nets, rows = drawn(EVERY[board], file)
+    for net, pin in nets:
+        assert pin in rows[net][0], net
+
+
+def test_a_build_without_a_sensor_is_drawn(tmp_path):
+    """A forest for rows from a host: its pins are the board's own, and the flags."""
+    (tmp_path / "rows.toml").write_text(NOTHING)
+    _, nets, rows = drawn(boards.BOARDS["ulx3s"], str(tmp_path / "rows.toml"))
     for net, pin in nets:
         assert pin in rows[net][0], net
 

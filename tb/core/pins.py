@@ -78,6 +78,12 @@ ADDRESS = {
     **{"forest.label": 0xC40, "forest.best": 0xC44, "forest.select": 0xC48, "forest.votes": 0xC4C},
     **{"forest.decisions": 0xC50, "forest.changes": 0xC54, "forest.missed": 0xC58, "forest.absent": 0xC5C},
     **{"forest.late": 0xC60, "forest.broken": 0xC64},
+    **{"display.enable": 0xD00, "display.increment": 0xD04, "display.burst_period": 0xD08},
+    **{"display.burst_on": 0xD0C, "display.top": 0xD10, "display.most": 0xD14, "display.duty": 0xD18},
+    **{"display.watchdog": 0xD1C, "display.stop": 0xD20, "display.source": 0xD24, "display.floor": 0xD28},
+    **{"display.step": 0xD2C, "display.marker": 0xD30, "display.cue": 0xD34, "display.octant": 0xD38},
+    **{"display.health": 0xD3C, "display.levels": 0xD40, "display.size": 0xD44, "display.state": 0xD48},
+    **{"display.dropped": 0xD4C, "display.faults": 0xD50},
 }
 
 
@@ -330,7 +336,7 @@ async def begin(dut, part, kind=Host, reset=3):
 async def says_what_it_is(host, groups, rows, columns):
     """``groups``: the register groups that it has, from docs/registers.md's list without core."""
     order = ("adc", "slip", "scan", "health", "tare", "calibrate", "cop", "cop4", "cop_slip", "link", "grip")
-    order += ("shear_speed", "forest")
+    order += ("shear_speed", "forest", "display")
     features = sum(1 << order.index(group) for group in groups.split())
     await host.set({"core.scratch": 0xA5C3_0F96})
     names = ("core.id", "core.features", "core.size", "core.clk_khz", "core.scratch")

@@ -75,6 +75,7 @@ CASES = {
         "slip": SLIP_V,
         "grip": {},
         "shear_speed": {},
+        "forest": {"window": 2, "nodes": 64},
         "link": {"baud": 1_000_000, "statistics": False},
     },
     "smallest": {
@@ -125,7 +126,7 @@ IS = {  # rows, columns, groups of registers
     "array": (ROWS, COLUMNS, "slip scan health tare calibrate cop link"),
     "channels": (1, 3, "adc slip link"),
     "electrodes": (1, 4, "adc cop4 cop_slip link"),
-    "hand": (1, 2, "adc slip link grip shear_speed"),
+    "hand": (1, 2, "adc slip link grip shear_speed forest"),
 }
 ADDRESS = {
     f"{group.name}.{register.name}": register.address for group in GROUPS for register in group.registers
@@ -816,6 +817,8 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
         sources |= {f"adc.{kind}": getattr(spi, f"{kind}_o") for kind in kinds}
     if name == "hand":
         reflex, shear = dut.u_actuate.gen_grip, dut.u_shear_speeds.gen_shear_speed
+        names = "written label best decisions changes missed absent late broken"
+        sources |= {f"forest.{name}": getattr(dut.u_classify.gen_forest, name) for name in names.split()}
         sources |= {"grip.commands": reflex.commands, "grip.tightenings": reflex.tightenings}
         sources |= {
             f"grip.{kind}": getattr(reflex.u_grip, f"out_{kind}_o") for kind in ("command", "increment")

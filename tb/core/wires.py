@@ -10,6 +10,8 @@ from meissner.twins.link.registers import settings
 
 # Modules below the core whose ports tests see, and one signal: bench.run makes them visible.
 SEEN = """acquire adc_spi bridge cobs cop4 cop_accumulate cop_slip electrodes frame_filter frame_gate
+classify.written classify.label classify.best
+classify.decisions classify.changes classify.missed classify.absent classify.late classify.broken
 frame_owed frame_owed.owed grip actuate.commands actuate.tightenings shear_speeds.last shear_speeds.pairs
 shear_speeds.windows health.dead_count health.railed_count health.blinking_count image_store link packet
 packet_slip registers scan.lost scan_buffer scan_plan sensor_array sensor_channels skid slip
@@ -192,6 +194,7 @@ INSTANCES = {
     "grip": "u_actuate u_grip u_finger_health u_pwm",
     "shear_speed": "u_shear_speeds u_shear_speed",
     "forest": "u_classify",
+    "display": "u_display u_render u_pins u_phase u_limits",
     "link": "u_link",
 }
 GROUP_OF = {instance: group for group, instances in INSTANCES.items() for instance in instances.split()}

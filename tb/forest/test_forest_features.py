@@ -84,7 +84,10 @@ async def recovers_after_reset(dut):
         assert [beat["last"] for beat in got] == ([0] * (channels * window - 1) + [1]) * len(rows)
 
 
-EVIDENCE = {"equivalence": {"size": {"Channels": 3}}}
+EVIDENCE = {
+    "equivalence": {"size": {"Channels": 3}},
+    "faults": {"size": {"Channels": 3}, "settle": 4},  # a window, and the frames around it
+}
 
 SPACE = lambda draw: {
     "Channels": draw.randint(1, 12),

@@ -58,7 +58,7 @@ async def forgets_requests_at_a_reset(dut):
         await bench.RisingEdge(dut.clk_i)
 
 
-EVIDENCE = {}
+EVIDENCE = {"faults": {"driver": {"kept": "memory"}}}
 
 SPACE = lambda draw: {
     "Features": draw.randint(1, 256),

@@ -39,7 +39,7 @@ module formal_image_store #(
   assign ends  = 32'(place) == Taxels - 1;
   assign take  = in_valid_i && !long;
   assign fresh = take && place == '0;
-  assign moves = whole && !(valid && (read_begun_i || read_done_i));
+  assign moves = whole && !read_begun_i && !read_done_i;
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
     if (take) begin

@@ -22,6 +22,7 @@ module formal_registers #(
   parameter bit Grip = 1'b1,
   parameter bit ShearSpeed = 1'b1,
   parameter bit Forest = 1'b1,
+  parameter bit Display = 1'b1,
   parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
   parameter int unsigned DetailBits = 18,  // fewer than the map's, as in most builds
   parameter int unsigned TimerBits = 11,
@@ -113,7 +114,7 @@ module formal_registers #(
 
   msn_registers #(
     .Adc(Adc), .Slip(Slip), .Scan(Scan), .Health(Health), .Tare(Tare), .Calibrate(Calibrate), .Cop(Cop),
-    .Cop4(Cop4), .CopSlip(CopSlip), .Link(Link), .Grip(Grip), .ShearSpeed(ShearSpeed), .Forest(Forest),
+    .Cop4(Cop4), .CopSlip(CopSlip), .Link(Link), .Grip(Grip), .ShearSpeed(ShearSpeed), .Forest(Forest), .Display(Display),
     .Resets(Resets),
     .DetailBits(DetailBits), .TimerBits(TimerBits), .LoadBits(LoadBits), .OffsetBits(OffsetBits)
   ) dut (.*);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/make/registers.py from rtl/registers.rdl: change that, then `make registers`.
 
-localparam int unsigned Fields = 212;
+localparam int unsigned Fields = 239;
 logic [Fields-1:0]    there, writable, written;
 logic [32*Fields-1:0] bits;
-localparam logic [12:0] Features = {Forest, ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
-localparam logic [Fields-1:0] Waiting = 212'h3e1fffffe80800307fc027f800000;
+localparam logic [13:0] Features = {Display, Forest, ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
+localparam logic [Fields-1:0] Waiting = 239'h3e1fffffe80800307fc027f800000;
 `CONSTANT(0, 1'b1, 10'h000, 0, 32, 1297305170)
 `CONSTANT(1, 1'b1, 10'h001, 0, 8, 0)
-`CONSTANT(2, 1'b1, 10'h001, 8, 8, 6)
+`CONSTANT(2, 1'b1, 10'h001, 8, 8, 7)
 `CONSTANT(3, 1'b1, 10'h001, 16, 16, 0)
 `CONSTANT(4, 1'b1, 10'h002, 0, 32, Features)
 `STATUS(5, 1'b1, 10'h003, 0, 16, core_size_rows, core.size_rows)
@@ -192,8 +192,8 @@ localparam logic [Fields-1:0] Waiting = 212'h3e1fffffe80800307fc027f800000;
 `STATUS(181, Forest, 10'h302, 0, 23, forest_nodes, forest.nodes)
 `STATUS(182, Forest, 10'h303, 0, 17, forest_leaves, forest.leaves)
 `SETTING(183, Forest, 10'h304, 0, 2, 1344, forest_target_kind, forest.target_kind, 0, 2, 0, 1'b1)
-`SETTING(184, Forest, 10'h304, 8, 6, 1346, forest_target_engine, forest.target_engine, 0, 6, 0, 1'b1)
-`SETTING(185, Forest, 10'h304, 16, 16, 1352, forest_target_label, forest.target_label, 0, 16, 0, 1'b1)
+`SETTING(184, Forest, 10'h304, 2, 6, 1346, forest_target_engine, forest.target_engine, 0, 6, 0, 1'b1)
+`SETTING(185, Forest, 10'h304, 8, 16, 1352, forest_target_label, forest.target_label, 0, 16, 0, 1'b1)
 `SETTING(186, Forest, 10'h305, 0, 22, 1368, forest_address, forest.address, 0, 22, 0, 1'b1)
 `WRITTEN(Forest, 10'h305, 0, forest_address, forest.address_written)
 `SETTING(187, Forest, 10'h306, 0, 32, 1390, forest_high, forest.high, 0, 32, 0, 1'b1)
@@ -208,7 +208,7 @@ localparam logic [Fields-1:0] Waiting = 212'h3e1fffffe80800307fc027f800000;
 `STATUS(195, Forest, 10'h30a, 4, 3, forest_state_error, forest.state_error)
 `STATUS(196, Forest, 10'h30b, 0, 32, forest_written, forest.written)
 `SETTING(197, Forest, 10'h30c, 0, 22, 1454, forest_feature, forest.feature, 0, 22, 1, 1'b1)
-`SETTING(198, Forest, 10'h30c, 24, 8, 1476, forest_feature_index, forest.feature_index, 0, 8, 0, 1'b1)
+`SETTING(198, Forest, 10'h30c, 22, 8, 1476, forest_feature_index, forest.feature_index, 0, 8, 0, 1'b1)
 `WRITTEN(Forest, 10'h30c, 0, forest_feature, forest.feature_written)
 `COMMAND(199, Forest, 10'h30d, 0, forest_start, forest.start)
 `SETTING(200, Forest, 10'h30e, 0, 32, 1484, forest_slip, forest.slip, 0, 32, 0, 1'b1)
@@ -223,3 +223,31 @@ localparam logic [Fields-1:0] Waiting = 212'h3e1fffffe80800307fc027f800000;
 `STATUS(209, Forest, 10'h317, 0, 16, forest_absent, forest.absent)
 `STATUS(210, Forest, 10'h318, 0, 16, forest_late, forest.late)
 `STATUS(211, Forest, 10'h319, 0, 16, forest_broken, forest.broken)
+`SETTING(212, Display, 10'h340, 0, 1, 1533, display_enable, display.enable, 0, 1, 0, 1'b1)
+`SETTING(213, Display, 10'h341, 0, 32, 1534, display_increment, display.increment, 0, 32, 0, 1'b1)
+`SETTING(214, Display, 10'h342, 0, 12, 1566, display_burst_period, display.burst_period, 0, 12, 0, 1'b1)
+`SETTING(215, Display, 10'h343, 0, 12, 1578, display_burst_on, display.burst_on, 0, 12, 0, 1'b1)
+`SETTING(216, Display, 10'h344, 0, 8, 1590, display_top, display.top, 0, 8, 0, 1'b1)
+`SETTING(217, Display, 10'h345, 0, 12, 1598, display_most, display.most, 0, 12, 0, 1'b0)
+`SETTING(218, Display, 10'h346, 0, 16, 1610, display_duty, display.duty, 0, 16, 0, 1'b0)
+`SETTING(219, Display, 10'h347, 0, 4, 1626, display_watchdog, display.watchdog, 0, 4, 0, 1'b0)
+`SETTING(220, Display, 10'h348, 0, 16, 1630, display_stop, display.stop, 0, 16, 0, 1'b0)
+`SETTING(221, Display, 10'h349, 0, 1, 1646, display_source, display.source, 0, 1, 0, 1'b1)
+`SETTING(222, Display, 10'h34a, 0, 16, 1647, display_floor, display.floor, 0, 16, 0, 1'b1)
+`SETTING(223, Display, 10'h34b, 0, 16, 1663, display_step, display.step, 0, 16, 0, 1'b1)
+`SETTING(224, Display, 10'h34c, 0, 1, 1679, display_marker, display.marker, 0, 1, 0, 1'b1)
+`SETTING(225, Display, 10'h34d, 0, 8, 1680, display_cue, display.cue, 0, 8, 0, 1'b1)
+`SETTING(226, Display, 10'h34e, 0, 3, 1688, display_octant, display.octant, 0, 3, 0, 1'b1)
+`SETTING(227, Display, 10'h34f, 0, 1, 1691, display_health, display.health, 0, 1, 0, 1'b1)
+`SETTING(228, Display, 10'h350, 0, 24, 1692, display_levels_next, display.levels_next, 0, 24, 0, 1'b1)
+`SETTING(229, Display, 10'h350, 24, 1, 1716, display_levels_last, display.levels_last, 0, 1, 0, 1'b1)
+`WRITTEN(Display, 10'h350, 24, display_levels, display.levels_written)
+`STATUS(230, Display, 10'h351, 0, 8, display_size_rows, display.size_rows)
+`STATUS(231, Display, 10'h351, 8, 8, display_size_columns, display.size_columns)
+`STATUS(232, Display, 10'h351, 16, 8, display_size_bits, display.size_bits)
+`STATUS(233, Display, 10'h352, 0, 1, display_state_running, display.state_running)
+`STATUS(234, Display, 10'h352, 1, 1, display_state_fault, display.state_fault)
+`STATUS(235, Display, 10'h352, 2, 1, display_state_limited, display.state_limited)
+`STATUS(236, Display, 10'h352, 8, 12, display_state_pins, display.state_pins)
+`STATUS(237, Display, 10'h353, 0, 16, display_dropped, display.dropped)
+`STATUS(238, Display, 10'h354, 0, 32, display_faults, display.faults)

@@ -76,7 +76,7 @@ qos = Qos(
     Policy.DataRepresentation(use_cdrv0_representation=True),
 )
 reader = DataReader(participant, Topic(participant, "rt/tactile/image", Image_, qos=qos), qos=qos)
-for found in reader.take_iter(timeout=duration(seconds=60)):
+for found in reader.take_iter(timeout=duration(seconds=500)):
     stamp = found.header.stamp
     print(stamp.sec, stamp.nanosec, found.serialize(use_version_2=False).hex(), flush=True)
     break
@@ -96,7 +96,7 @@ def image(store, sec, nanosec):
 @pytest.fixture
 def loopback(monkeypatch):
     """DDS on this machine alone."""
-    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner[dds]'")
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner-touch[dds]'")
     interfaces = "<General><Interfaces><NetworkInterface name='lo' multicast='false'/></Interfaces></General>"
     peers = "<Peers><Peer address='localhost'/></Peers><ParticipantIndex>auto</ParticipantIndex>"
     peers = f"<Discovery>{peers}</Discovery>"
@@ -113,7 +113,7 @@ def test_dds_is_read_by_a_second_process(loopback):
     core = connected()
     ended = threading.Thread(target=lambda: (reader.wait(), core.stop()))
     ended.start()
-    dds_bridge.run(core, 60, domain, said.append)
+    dds_bridge.run(core, 500, domain, said.append)
     out = reader.stdout.read().split()
     ended.join()
     assert bytes.fromhex(out[2]) == image(store, int(out[0]), int(out[1]))
@@ -124,7 +124,7 @@ class Client:
     """A websocket client with as much of RFC 6455 as this server needs."""
 
     def __init__(self, port, protocol):
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=60)
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=500)
         self.said, self.kept = "", b""
         lines = ["GET / HTTP/1.1", f"Host: 127.0.0.1:{port}", "Upgrade: websocket", "Connection: Upgrade"]
         lines += ["Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==", "Sec-WebSocket-Version: 13"]
@@ -166,14 +166,16 @@ class Client:
 @pytest.fixture
 def served():
     """(port, sentences) of the bridge before a simulated core, in a thread."""
-    pytest.importorskip("foxglove", reason="foxglove-sdk is not installed: pip install 'meissner[foxglove]'")
+    pytest.importorskip(
+        "foxglove", reason="foxglove-sdk is not installed: pip install 'meissner-touch[foxglove]'"
+    )
     said, core = [], connected()
     listening = threading.Event()
-    arguments = (core, 60, "127.0.0.1:0", lambda text: (said.append(text), listening.set()))
+    arguments = (core, 500, "127.0.0.1:0", lambda text: (said.append(text), listening.set()))
     bridge = threading.Thread(target=foxglove_bridge.run, args=arguments)
     bridge.start()
-    listening.wait(60)
-    yield int(said[0].partition("127.0.0.1:")[2].partition(";")[0]), said
+    listening.wait(500)
+    yield int(said[0].partition("127.0.0.1:")[2].partition(",")[0]), said
     core.stop()
     bridge.join()
 

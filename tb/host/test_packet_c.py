@@ -83,7 +83,7 @@ def test_whole_packets(decode_c):
     line = b"".join(frames(np.random.default_rng(1), 2000))
     lines = expected(line)
     assert decode_c(line) == lines
-    assert len(lines) > 1000 and len({text.split()[0] for text in lines}) == 11
+    assert len(lines) > 1000 and len({text.split()[0] for text in lines}) == 12
 
 
 def test_states_of_every_number_of_channels(decode_c):

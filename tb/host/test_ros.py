@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import types
+from pathlib import Path
 from unittest import mock
 
 import numpy as np
@@ -16,10 +17,10 @@ from mcap.reader import make_reader
 from mcap_ros2.writer import Writer as OldWriter
 
 from harness import rclpy_stand_in as stand_in
-from meissner import host
+from meissner import cli, host
 from meissner.builds import units
 from meissner.builds.toolchain import ROOT
-from meissner.host import line, log, packets, ros, stamps, stream
+from meissner.host import foxglove_bridge, line, log, mcap_file, packets, ros, stamps, stream
 from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import packet as p
 
@@ -55,7 +56,7 @@ def core_of(known=KNOWN, more=()):
 
 def messages(core, *more):
     """[(ns, topic, message)] of what the core sent, at 1 ms a thousand clocks."""
-    convert, found = ros.Converter(core), []
+    convert, found = ros.Converter(core.units, core), []
     for item in [*core.packets(0.05), *more]:
         at = getattr(item, "time", 5000) * 1000
         found += [(at, *one) for one in convert.messages(at, item)]
@@ -115,7 +116,7 @@ def test_bytes_are_those_of_rosbags(store):
 
 def test_the_bytes_of_dds_are_those_of_rosbags():
     """Cyclone DDS' own serialisation against ours, which the test above compares."""
-    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner[dds]'")
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner-touch[dds]'")
     from meissner.host import dds_bridge
 
     of = dds_bridge.classes()
@@ -182,7 +183,7 @@ def test_without_units_no_metres_and_no_newtons():
 
 def test_diagnostics_by_hand():
     _, core = core_of()
-    convert = ros.Converter(core)
+    convert = ros.Converter(core.units, core)
     for item in core.packets(0.05):
         list(convert.messages(0, item))
     _, taxels, counters = convert.diagnostics(1)[1].status
@@ -200,7 +201,7 @@ def test_diagnostics_by_hand():
     assert convert.diagnostics(4)[1].status[0].level == 0
     core._lost(line.Gone("a line is gone"))
     assert (convert.diagnostics(5)[1].status[0].level, core.interrupted) == (2, "a line is gone")
-    taxels = ros.Converter(core)
+    taxels = ros.Converter(core.units, core)
     list(taxels.messages(0, packets.Health(1, None, 4, 1, boot=core.counts.restarts)))
     list(taxels.messages(0, packets.Health(1, None, 5, 2, boot=core.counts.restarts + 1)))  # after a reset
     assert [one.key for one in taxels.diagnostics(0)[1].status[1].values] == ["row 1, column 2"]
@@ -263,11 +264,11 @@ def test_rosbags_opens_and_converts_a_log_without_loss(tmp_path, store):
 
 
 def test_a_log_that_is_cut_still_opens(tmp_path):
-    """At every length: what is complete is read, and an image comes with its number or not at all."""
+    """At many lengths: what is complete is read, and an image comes with its number or not at all."""
     with mock.patch.object(log, "FLUSH_S", -1.0):
         recorded(tmp_path / "a.mcap")
     whole, most = (tmp_path / "a.mcap").read_bytes(), 0
-    for end in range(len(whole) // 3, len(whole), 11):
+    for end in range(len(whole) // 3, len(whole), 97):
         (tmp_path / "cut.mcap").write_bytes(whole[:end])
         try:
             found = log.read(tmp_path / "cut.mcap")
@@ -280,6 +281,44 @@ def test_a_log_that_is_cut_still_opens(tmp_path):
         most = count
     assert most == 2 + 1 + 2 + 3 + 1
     assert np.array_equal(found["image"][0], TAXELS)
+
+
+def test_an_unfinished_log_is_finished_for_other_tools(tmp_path, store, monkeypatch, capsys):
+    """rosbags refuses a file without its end; finished, it has every message up to the cut."""
+    from rosbags.highlevel import AnyReader, AnyReaderError
+
+    with mock.patch.object(log, "FLUSH_S", -1.0):  # one chunk per packet
+        recorded(tmp_path / "a.mcap")
+    whole = (tmp_path / "a.mcap").read_bytes()
+    monkeypatch.chdir(tmp_path)
+    with open("a.mcap", "rb") as file:
+        chunk = make_reader(file).get_summary().chunk_indexes[-2]
+    Path("cut.mcap").write_bytes(whole[: chunk.chunk_start_offset + chunk.chunk_length - 1])
+    with pytest.raises(AnyReaderError), AnyReader([Path("cut.mcap")]):
+        pass
+    counts = []
+    for name in ("cut.mcap", "a.mcap"):
+        cli.main(["replay", name, "--out", f"whole_{name}"])
+        topics, found = through_rosbags(Path(f"whole_{name}"), store)
+        assert topics == set(ros.TOPICS)
+        with open(f"whole_{name}", "rb") as file:
+            assert len(make_reader(file).get_summary().channels) == len(ros.TOPICS)
+        counts.append(sum(map(len, found.values())))
+        assert capsys.readouterr().out == f"{counts[-1]} messages of {name}; whole_{name}\n"
+        again, first = log.read(f"whole_{name}"), log.read(name)
+        assert "partial" not in again and ("partial" in first) == (name == "cut.mcap")
+        assert all(np.array_equal(again[key], first[key]) for key in again)
+    assert 10 < counts[0] < counts[1]
+    assert through_rosbags(Path("a.mcap"), store)[1].keys() == found.keys()
+    recorded(tmp_path / "b.npz")
+    for given in (("b.npz", "--out", "b.mcap"), ("a.mcap", "--out", "a.mcap", "--overwrite")):
+        with pytest.raises(SystemExit):
+            cli.main(["replay", *given])
+    assert capsys.readouterr().err.splitlines() == [
+        "meissner: b.npz is no MCAP file, so --out cannot be one: name a .npz or .csv file",
+        "meissner: a.mcap is an input of this command: name another output",
+    ]
+    assert (tmp_path / "a.mcap").read_bytes() == whole and not Path("b.mcap").exists()
 
 
 OLD_FRAME = """std_msgs/Header header
@@ -365,6 +404,8 @@ def test_a_log_from_before_the_typed_messages_is_read(tmp_path):
     }
     assert {name: found[name].tolist() for name in wanted} == wanted
     assert np.array_equal(found["image"][0], TAXELS) and int(found["min_load"]) == 4
+    [first] = [one for _, one in mcap_file.read(tmp_path / "old.mcap")[1] if hasattr(one, "votes")]
+    assert first.before is None
 
 
 def test_live_stamps_by_hand():
@@ -401,7 +442,7 @@ def node_class(monkeypatch, store):
 
 def test_the_node_publishes_every_message(monkeypatch, store):
     """Through classes that refuse a wrong field, type or range; bytes as the converter's own."""
-    _, module = node_class(monkeypatch, store)
+    rclpy, module = node_class(monkeypatch, store)
     _, core = core_of()
     monkeypatch.setattr(module.host, "connect", lambda *_, **__: core)
     node = module.TactileNode()
@@ -409,6 +450,8 @@ def test_the_node_publishes_every_message(monkeypatch, store):
     found = {}
     for topic, message in node.published:
         found.setdefault(topic, []).append(message)
+    monkeypatch.setattr(rclpy, "ok", lambda: False)
+    node.run()  # ends with ROS
     never = {"/tactile/gap", "/tactile/reset"}
     assert set(found) == {
         topic if topic == "/diagnostics" else topic[1:] for topic in set(ros.TOPICS) - never
@@ -419,7 +462,7 @@ def test_the_node_publishes_every_message(monkeypatch, store):
     assert bytes(found["tactile/image"][0].data) == TAXELS.tobytes()
     assert found["/diagnostics"][0].status[1].level == b"\1"
     for item in (GAP, packets.Reset(3, -1)):
-        [(topic, message)] = ros.Converter(core).messages(0, item)
+        [(topic, message)] = ros.Converter(core.units, core).messages(0, item)
         module.made(ros.TOPICS[topic], message, module.message_class, module.leaf)
 
 
@@ -487,7 +530,7 @@ def test_thresholds_that_read_back_otherwise_are_put_back():
 
 
 def test_the_layout_shows_what_is_sent():
-    layout = json.loads((ROOT / "ros2/foxglove_layout.json").read_text("utf-8"))
+    layout = json.loads(foxglove_bridge.LAYOUT.read_text("utf-8"))
     shown = []
     for panel in layout["configById"].values():
         shown += [path["value"] for path in panel.get("paths", [])]

@@ -52,7 +52,9 @@ def test_the_report_needs_no_other_file(tmp_path):
     assert page.count("data:image/png;base64,") == 2
     assert "a &lt;b&gt; &amp; c" in page and "rubber, adc" in page and "1.235 ms" in page
     assert "1 &lt; 2" in page and "<b>2 N &amp; more</b>: a caption" in page
-    assert ">slips missed</th>" in page and ">load (g)</th>" in page and "empty" not in page
+    assert 'title="slips missed">missed</th>' in page and ">load (g)</th>" in page and "empty" not in page
+    assert "<li><i>missed</i>: slips missed</li>" in page and "<i>load (g)</i>" not in page
+    assert page.count('<input type="checkbox"') == 2 and "width: max(100%, 68rem)" in page
     assert 'data-label="load (g)">2</td>' in page and 'data-label="load (g)">–</td>' in page
     assert not re.search(r"""(src|href)=["'](?!data:)|https?://|url\(""", page)
 
@@ -146,7 +148,7 @@ class Page(HTMLParser):
             self.meta[attrs.get("name")] = attrs["content" if "name" in attrs else "charset"]
         if tag == "table":
             self.tables.append(self.stack[-1])
-        if tag in ("meta", "img"):
+        if tag in ("meta", "img", "input"):
             if tag == "img":
                 self.order.append(("img", "", attrs["alt"]))
             return
@@ -203,7 +205,7 @@ def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, undrawn, n
     page = Page(text)
     tags = [tag for tag, _, _ in page.order]
     assert tags[:3] == ["body", "h1", "p"] and page.order[2][1] == "verdict"
-    assert tags[3:7] == ["figure", "img", "figcaption", "b"]
+    assert tags[3:8] == ["figure", "label", "img", "figcaption", "b"]
     assert page.meta["color-scheme"] == "light dark" and "prefers-color-scheme: dark" in text
     assert page.meta["viewport"].startswith("width=device-width")
 
@@ -225,5 +227,13 @@ def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, undrawn, n
     assert not missing, f"report_words.WORDS has no words for {missing}"
     raw = [words for words in page.all_text("th", "td", "h2") if "_" in words and words != name]
     assert not raw, raw
+    cell = r'<th scope="col" title="([^"]+)">([^<]+)</th>'
+    for head in re.findall(r"<thead>(.*?)</thead>", text):
+        assert len({short for _, short in re.findall(cell, head)}) == len(re.findall(cell, head)), head
+    for whole, column in re.findall(cell, text):
+        name = column.rpartition(" (")[0] if column.endswith(")") else column
+        assert len(name.split()) <= 2 or name.endswith(" %"), (
+            f"report_words.SHORT has no two words for {whole!r}"
+        )
     assert page.tables and set(page.tables) == {("div", "table")}
     assert re.search(r"\.table \{[^}]*overflow-x: auto", text)

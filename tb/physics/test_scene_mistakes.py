@@ -73,6 +73,22 @@ MISTAKES = {
         world.pulls.0: grip_n = -2.0 | nan; speed_mm_s = 0.0; direction_deg = 400.0; material = "ice"
         world.grips.0: to_n = [-1.0]; to_n = []; ramp_s = 0.0
     """,
+    "optacon_free": """
+        .: features = ["slip"]; -display
+        display: rows = []; rows = [0]; columns = 65; amplitude_bits = 7 | 4 (amplitude_bits); clk_khz = 0
+        world: kind = "bound"; volts = 0.0 | 201.0; hz = [0.5]; hz = []; hz = [401.0]
+    """,
+    "optacon_contact": "world: volts = []; pins = 0; tip_cm2 = 0.0",
+    "optacon_burst": "world: burst_s = 0.01; bursts = 0; hz = nan; hz = 9.0 (burst_s)",
+    "optacon_letter": """
+        display: columns = 6; rows = [6]
+        world: words_min = 0.5; hz = 50.0 (words_min)
+    """,
+    "touch_to_touch": """
+        world: pad = "capacitive_cell"; pad = "fsr_3x3"; grip = "acrylic_slip"; shape = "spoon"
+        world: pull = "backwards"; frame_ms = 0.1; cue_frames = 0; floor_g = 0.0; step_g = -1.0
+        world: press_s = 0.01
+    """,
     "acrylic_slip": """
         .: sensors = "rubber"; sensor = "skin"; adc = "MCP"; rate_hz = "fast"; seeds = 0
         .: features = ["slip", "taste"] (taste); -title

@@ -25,8 +25,11 @@ LONG = {
     "capacitive_cell",
     "capacitive_shapes",
     "fsr_64x64",
+    "optacon_contact",
+    "optacon_letter",
     "shear_recover",
     "shear_speed",
+    "touch_to_touch",
 }
 
 pytestmark = pytest.mark.usefixtures("undrawn")

@@ -29,6 +29,8 @@ USED = {
         "fingertip_cop": "calibrate cop",
         "fingertip_hardness": "forest_features",
     },
+    "optacon_free": "pin_display",
+    "touch_to_touch": "demod calibrate cop4 cop_slip render pin_display",
 }
 
 
@@ -85,7 +87,13 @@ def test_every_part_has_a_reason():
     "name, condition",
     [
         *(("normal_force", 0), ("grip_slip", 6), ("walk_25x5", None), ("fsr_3x3", None), ("cop_slip", 0)),
-        *(("cop_circle", None), ("shear_amount", 0), ("capacitive_crosstalk", None), ("fingertip_cop", 1)),
+        *(
+            ("cop_circle", None),
+            ("shear_amount", 0),
+            ("capacitive_crosstalk", None),
+            ("fingertip_cop", 1),
+            ("optacon_burst", None),
+        ),
     ],
 )
 def test_the_reasons_are_of_what_is_modelled(name, condition):
@@ -157,6 +165,7 @@ IMPORTS = {
     "capacitive_crosstalk": "capacitive footprints mesh_loads / frontend.am_demod frontend.calibrate",
     "fingertip_hardness": f"rope fsr {_TAXELS} frontend forest.forest_features",
     "fingertip_cop": f"rope fsr {_TAXELS} frontend",
+    "optacon_burst": "pins receptors / actuate.pin_display",
 }
 # For each line "<scene> <engine>" of the input, a line of the modules that a new process then has; what it
 # imports from others, most of its time, is imported before.

@@ -179,6 +179,9 @@ TABLE = {
         )
         for engines in (1, 8)
     },
+    "pin_display": ("msn_pin_display", {"ClkKhz": 12_000}, None, "up5k"),
+    "pin_display-1000": ("msn_pin_display", {"Pins": 1000, "Chains": 4, "ClkKhz": 48_000}, None, "ecp5"),
+    "render": ("msn_render", {}, None, "ecp5 up5k"),
     "grip": ("msn_grip", {}, 4, "ecp5 up5k"),
     "finger_health": ("msn_finger_health", {}, 3, "ecp5 up5k"),
     "packet_slip": ("msn_packet_slip", {"P2pBits": 14}, None, "ecp5 up5k"),

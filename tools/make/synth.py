@@ -20,6 +20,7 @@ import sys
 import time
 import tomllib
 from contextlib import contextmanager
+from pathlib import Path
 
 from meissner.builds import boards
 from meissner.builds import config as configurations
@@ -230,6 +231,8 @@ def last_line(log):
 def beside(board, config, folder):
     """Write what a user needs beside a bitstream: the drawing, and the configuration as this board has it."""
     tables = configurations.tables(config, **board.own(config))
+    if "file" in tables.get("forest", {}):  # elsewhere than this file
+        tables["forest"]["file"] = str(Path(tables["forest"]["file"]).resolve())
     (ROOT / folder / "config.toml").write_text(f"# On the {board.title}.\n{toml(tables)}", "utf-8")
     (ROOT / folder / "wiring.svg").write_bytes(svg(board, config))
 
@@ -246,7 +249,7 @@ def after(board, name):
         "its port": f"{usb['port']}, {usb['about']}, {baud} baud; .venv/bin/meissner ports asks what answers",
         "once": "sudo cp host/60-meissner.rules /etc/udev/rules.d/ && sudo udevadm control --reload && "
         "sudo udevadm trigger",
-        "see it": f".venv/bin/meissner live {usb['port']} --config {config}",
+        "see it": f".venv/bin/meissner live {usb['port']} --config {config} --web",
     }
     return [f"  {what:<9} {how}" for what, how in steps.items()]
 

@@ -12,7 +12,7 @@ from meissner.builds.toolchain import ROOT
 from published import markdown
 
 FOLDER = ROOT / "docs/papers"
-NAMES = ("capacitive_array", "cop_slip_and_net", "initial_slip", "rope_slip", "shear_and_mesh")
+NAMES = ("capacitive_array", "cop_slip_and_net", "initial_slip", "optacon", "rope_slip", "shear_and_mesh")
 HEADER = ("figure", "what", "published", "ours", "difference")
 
 

@@ -21,6 +21,14 @@ OUTPUTS = {
 }
 INPUTS = {"miso": "adc_miso_i", "busy": "adc_busy_i", "moving": "moving_i", "rx": "rx_i"}
 DIRECTIONS = {"in": "input  logic", "out": "output logic", "inout": "inout  wire"}
+DISPLAY = (
+    "hv_data",
+    "hv_clk",
+    "hv_le",
+    "hv_bl",
+    "hv_pol",
+    "hv_dir",
+)  # outputs of a core with a display alone
 FLAGS = ("slip", "gross", "touched", "pressed")
 
 
@@ -38,7 +46,7 @@ def top(plan: Plan) -> str:
     wires |= {of: roles[role].port if role in roles else f"unused_{role}" for role, of in OUTPUTS.items()}
     wires |= {of: roles[role].port if role in roles else "'0" for role, of in INPUTS.items()}
     wires |= {INPUTS[role]: f"!{roles[role].port}" for role in board.inverted}
-    wires |= {"slip_each_o": roles["slip_each"].port} if "slip_each" in roles else {}
+    wires |= {roles[role].port: roles[role].port for role in ("slip_each", *DISPLAY) if role in roles}
     wires |= {"tx_o": roles["tx"].port} | {f"{flag}_o": flag for flag in FLAGS}
     sdram = "sdram_dq" in roles
     wires |= {"sdram_o": "sdram", "sdram_dq_i": "sdram_dq_io"} if sdram else {}

@@ -207,7 +207,9 @@ def command_check(arguments: Namespace) -> None:
 def command_show(arguments: Namespace) -> None:
     config = load(arguments.file)
     print(f"{plain(config.name)}: {plain(config.about)}")
-    print(f"{config.rate_hz:.7g} {config.sampled} a second\n\nparameters of msn_core")
+    if config.units.rate_hz:
+        print(f"{config.rate_hz:.7g} {config.sampled} a second")
+    print("\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")
     print("\nregisters after reset")

@@ -202,7 +202,7 @@ def _with(file: Any, *names: str) -> Any:
 
 FILES: dict[str, Any] = {
     "channels": _with(ChannelsFile, *FEATURES),
-    "array": _with(ArrayFile, "forest", "grip"),
-    "electrodes": _with(ElectrodesFile, "forest"),
+    "array": _with(ArrayFile, "display", "forest", "grip"),
+    "electrodes": _with(ElectrodesFile, "display", "forest"),
     "none": _with(NothingFile, "forest"),
 }

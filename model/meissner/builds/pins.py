@@ -224,7 +224,26 @@ def needs(board: Description, parameters: dict[str, int], slip_pins: int = 0) ->
     pulses = [Need("pwm", "pwm_o", 1, ("pulses for the hand",))] if parameters.get("Grip") else []
     slips = tuple(f"high while channel {k} slips" for k in range(slip_pins))
     each = [Need("slip_each", "slip_each_o", slip_pins, slips)] if slip_pins else []
-    return [*_lines(parameters), moving, *pulses, *each]
+    return [*_lines(parameters), moving, *pulses, *each, *_display(parameters)]
+
+
+def _display(parameters: dict[str, int]) -> list[Need]:
+    """The lines of a tactile display's drivers; all chains share all but the data."""
+    if not parameters.get("Display"):
+        return []
+    chains = parameters["PinChains"]
+    data = tuple(f"DIOA of the first driver of chain {k}" for k in range(chains))
+    rest = {
+        "clk": "CLK",
+        "le": "LE",
+        "bl": "BL, with a pull-down",
+        "pol": "POL, with a pull-up",
+        "dir": "DIR",
+    }
+    lines = [
+        Need(f"hv_{name}", f"hv_{name}_o", 1, (f"{what}, of all drivers",)) for name, what in rest.items()
+    ]
+    return [Need("hv_data", "hv_data_o", chains, data), *lines]
 
 
 def _lines(parameters: dict[str, int]) -> list[Need]:

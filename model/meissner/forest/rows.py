@@ -31,7 +31,9 @@ def read(path, names, labelled=False):
                 raise ValueError(f"{path} has no array {name}; it must have x [rows, features] and y [rows]")
         head, x, y = None, given["x"], given["y"] if labelled else None
     elif kind == ".npy" and not labelled:
-        x = files.read_array(path)
+        x = files.read_npy(path)
+        if x is None:
+            raise ValueError(f"{path} is not a .npy file of numbers")
         head = x.dtype.names
         if head and x.ndim == 1:
             x = np.stack([x[name].astype(object) for name in head], 1)

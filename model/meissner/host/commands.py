@@ -155,17 +155,18 @@ def regs(arguments: Namespace) -> None:
             print(f"{name:<{width}}  {value:<10} 0x{value & (field.most if field else 0xFFFFFFFF):x}")
 
 
-def web_port(arguments: Namespace) -> int | None:
-    """The port of the page that was asked for, None if none was."""
+def _on_page(arguments: Namespace) -> bool:
+    return bool(arguments.web or arguments.web_port is not None)
+
+
+def _port(arguments: Namespace) -> int:
     from meissner.host import web
 
-    if arguments.web_port is None:
-        return web.PORT if arguments.web else None
-    return int(arguments.web_port)
+    return web.PORT if arguments.web_port is None else int(arguments.web_port)
 
 
 def live(arguments: Namespace) -> None:
-    if arguments.web or arguments.web_port is not None:
+    if _on_page(arguments):
         _live_web(arguments)
         return
     from meissner.host.view import View
@@ -194,7 +195,7 @@ def _live_web(arguments: Namespace) -> None:
         source = web.OfCore(core, arguments.port)
         hear.append(source.say)
         with _stopping(source):
-            web.serve(source, web_port(arguments), arguments.seconds, _print)
+            web.serve(source, _port(arguments), arguments.seconds, _print)
 
 
 @contextmanager
@@ -208,7 +209,7 @@ def shown(scene: Any, arguments: Namespace) -> Iterator[Callable[[Path], None]]:
     with Core(Pipe(pipe, scene.name), pipe.units, say=_tell) as core:
         source = web.OfCore(core, scene.name)
         say = _tell if arguments.json else _print
-        with web.beside(source, web_port(arguments), say) as stay:
+        with web.beside(source, _port(arguments), say) as stay:
 
             def done(out: Path) -> None:
                 say("the page stays, with a link to the report, until Ctrl-C")
@@ -333,20 +334,30 @@ def replay(arguments: Namespace) -> None:
     from meissner.host import log
 
     engines.load(arguments.engine)
-    port = web_port(arguments)
-    if port is None and arguments.out is None:
+    if arguments.out is None and not _on_page(arguments):
         raise ValueError("replay writes to --out OUT.npz, or shows the log on a page (--web)")
     found = log.read(arguments.log)
     if arguments.min_load is not None and arguments.min_load < 0:
         raise ValueError(f"min-load = {arguments.min_load} must not be negative")
-    if arguments.out is not None:
+    if arguments.out is not None and arguments.out.lower().endswith(".mcap"):
+        _finish(arguments)
+    elif arguments.out is not None:
         _compare(arguments, found)
-    if port is not None:
+    if _on_page(arguments):
         from meissner.host import web
 
         source = web.OfLog(found, arguments.log)
         with _stopping(source):
-            web.serve(source, port, None, _print)
+            web.serve(source, _port(arguments), None, _print)
+
+
+def _finish(arguments: Namespace) -> None:
+    from meissner.host import mcap_file
+
+    if not arguments.log.lower().endswith(".mcap"):
+        raise ValueError(f"{arguments.log} is no MCAP file, so --out cannot be one: name a .npz or .csv file")
+    count = mcap_file.finish(arguments.log, arguments.out)
+    print(f"{count} messages of {plain(arguments.log)}; {plain(arguments.out)}")
 
 
 def _compare(arguments: Namespace, found: "Arrays") -> None:

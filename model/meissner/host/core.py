@@ -9,12 +9,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Self
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from meissner.builds.units import Units
 from meissner.host import names
 from meissner.host.boots import Boots
 from meissner.host.line import Ended, Gone, Line
 from meissner.host.names import Place
 from meissner.host.packets import Assembler, Gap, Item
+from meissner.twins.actuate import display
 from meissner.twins.link import bridge
 from meissner.twins.link import packet as p
 from meissner.twins.link.decoder import Decoder, Packet
@@ -194,6 +198,23 @@ class Core:
                 raise ValueError(f"{name} can only be read")
             place.into(0, value, self.build)
         return place
+
+    def show(self, levels: ArrayLike) -> None:
+        """A frame of pin levels [rows, columns], 0 .. 255, on a core's display with ``display.source`` = 1.
+
+        Raises
+        ------
+        ValueError
+            If the display has another size, or a level is out of range.
+        """
+        found = np.asarray(levels)
+        size = tuple(self[f"display.size.{side}"] for side in ("rows", "columns"))
+        if found.shape != size:
+            raise ValueError(
+                f"a frame of {found.shape} does not fit the display: it has {size[0]} x {size[1]} pins"
+            )
+        for word in display.words(found):
+            self["display.levels"] = word
 
     def __getitem__(self, name: str) -> int:
         place = self._place(name)

@@ -43,6 +43,7 @@ def load(core: Core, model: Model) -> None:
         raise OSError("the core was reset, or lost writes, in each attempt to write its forest")
 
     def again() -> None:
+        core.after_reset = before
         before()
         try:
             load(core, model)
@@ -70,7 +71,7 @@ def check(core: Core, model: Model) -> None:
         leaves=core["forest.leaves"] or 1,
         bits=core["forest.size.bits"],
     )
-    need = size_of(model, core["forest.size.engines"])
+    need = size_of(model, max(1, core["forest.size.engines"]))
     for name, least in vars(need).items():
         there = getattr(room, name)
         if least != there if name in ("features", "classes") else least > there:
@@ -81,7 +82,7 @@ def check(core: Core, model: Model) -> None:
 def _rows(core: Core, model: Model) -> list[Row]:
     if core["forest.nodes"] == WORDS:
         return place.loads(place.place(model, room=BANK_WORDS // core["forest.size.banks"]))
-    return words.loads(model, core["forest.size.engines"])
+    return sorted(words.loads(model, core["forest.size.engines"]))
 
 
 def _runs(rows: list[Row]) -> list[list[Row]]:
@@ -111,7 +112,7 @@ def _write(core: Core, rows: list[Row]) -> bool:
 def _put(core: Core, run: list[Row]) -> None:
     kind, engine, address, _ = run[0]
     label = address >> 16 if kind == words.VOTE else 0
-    core["forest.target"] = kind | engine << 8 | label << 16
+    core["forest.target"] = kind | engine << 2 | label << 8
     core["forest.address"] = address & 0xFFFF if kind == words.VOTE else address
     high = None
     for _, _, _, data in run:
@@ -138,7 +139,7 @@ def decide(core: Core, forest: Forest, x: ArrayLike) -> ForestResult:
         for index, value in enumerate(values):
             top = words.THRESHOLD_LIMIT
             held = min(max(value, -top), top - 1)
-            core["forest.feature"] = held & 2 * top - 1 | index << 24
+            core["forest.feature"] = held & 2 * top - 1 | index << 22
         done = core["forest.decisions"]
         core["forest.start"] = 1
         wait(core, "forest.decisions", done, "the core did not decide", other=True)

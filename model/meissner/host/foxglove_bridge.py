@@ -4,10 +4,12 @@ from collections.abc import Callable
 from queue import Empty, SimpleQueue
 from typing import Any
 
+from meissner.builds.toolchain import ROOT
 from meissner.host.core import Core
 from meissner.host.ros import TOPICS, definition, full_name, serialised
 from meissner.host.stream import set_thresholds, stream, thresholds
 
+LAYOUT = ROOT / "ros2/foxglove_layout.json"
 ANSWER_S = 5.0  # that a client's question may wait for the core
 
 
@@ -31,7 +33,7 @@ def run(core: Core, seconds: float | None, listen_on: str, say: Callable[[str], 
         from foxglove.websocket import Capability, Parameter, ServerListener, StatusLevel
     except ImportError:
         raise ValueError(
-            "the bridge to Foxglove needs foxglove-sdk: pip install 'meissner[foxglove]'"
+            "the bridge to Foxglove needs foxglove-sdk: pip install 'meissner-touch[foxglove]'"
         ) from None
     questions: SimpleQueue[tuple[Callable[[], list[Any]], SimpleQueue[list[Any]]]] = SimpleQueue()
 
@@ -86,7 +88,7 @@ def run(core: Core, seconds: float | None, listen_on: str, say: Callable[[str], 
         )
     except (OSError, RuntimeError) as problem:
         raise OSError(f"{listen_on} cannot be listened on: {problem}") from None
-    say(f"Foxglove or Lichtblick: open ws://{host}:{server.port}; Ctrl-C ends")
+    say(f"Foxglove or Lichtblick: open ws://{host}:{server.port}, import the layout {LAYOUT}; Ctrl-C ends")
     try:
         for found in stream(core, seconds):
             if found is not None:

@@ -29,12 +29,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meissner.arrays import Arrays
+from meissner.builds.units import Units
 from meissner.files import FULL, check_in, read_arrays
 from meissner.files import check_out as check_name
 from meissner.host import mcap_file, packets
@@ -42,6 +43,9 @@ from meissner.host.core import Core, Counts
 from meissner.host.stamps import Stamps
 from meissner.host.table import COLUMNS, Facts, NpzLog, Table, read_rows
 from meissner.host.unfinished_log import UnfinishedLog, part_of
+
+if TYPE_CHECKING:
+    from meissner.host.simulated import Trace
 
 FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress less
 
@@ -58,8 +62,8 @@ class McapLog:
 
     KIND = ".mcap"
 
-    def __init__(self, spool: UnfinishedLog, core: Core) -> None:
-        self._spool, self._writer = spool, mcap_file.Writer(spool, core)
+    def __init__(self, spool: UnfinishedLog, known: Units, core: Core | None = None) -> None:
+        self._spool, self._writer = spool, mcap_file.Writer(spool, known, core)
         self.add, self.tell = self._writer.add, self._writer.tell
 
     def flush(self, facts: Facts) -> None:
@@ -76,7 +80,7 @@ KINDS: dict[str, type[McapLog] | type[NpzLog]] = {".npz": NpzLog, ".mcap": McapL
 class Writer(Protocol):
     """Takes packets with their time in ns of UTC, and facts."""
 
-    def add(self, stamp_ns: int, item: packets.Item | packets.Reset, /) -> None: ...
+    def add(self, stamp_ns: int, item: Any, /) -> None: ...
 
     def tell(self, facts: Facts, /) -> None: ...
 
@@ -101,8 +105,8 @@ class Log:
             self._stamps.moved = False
             self._writer.tell(self.facts())
 
-    def add(self, item: packets.Item) -> None:
-        for stamp, one in self._stamps.next(item):
+    def add(self, item: "packets.Item | Trace") -> None:
+        for stamp, one in self._stamps.next(cast("packets.Item", item)):  # a Trace has boot and time, too
             self._tell()
             self._writer.add(stamp, one)
         self.packets += 1
@@ -149,7 +153,7 @@ def recording(path: str | Path, core: Core) -> Iterator[Log]:
     make, out = KINDS[check_out(path)], check_name(path)
     spool, log = UnfinishedLog(out, make.KIND), None
     try:
-        writer = make(spool, core)
+        writer = make(spool, core.units, core)
         log = Log(writer, core)
         yield log
         log.flush()

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from meissner.builds.toolchain import ROOT
+from meissner.builds.units import Units
 from meissner.host import packets
 from meissner.host.core import Core, Counts
 from meissner.host.view import state_name
@@ -159,14 +160,19 @@ def _known(value: float | None) -> float:
 
 
 class Converter:
-    """``messages`` of each packet of ``core``, and ``diagnostics`` about it."""
+    """``messages`` of each packet of a core with the units ``known``; ``diagnostics`` about ``core``, whose
+    units may change while it runs."""
 
-    def __init__(self, core: Core, frame_id: str = FRAME_ID) -> None:
-        self._core, self._frame_id = core, frame_id
-        self._boot = core.counts.restarts
+    def __init__(self, known: Units, core: Core | None = None, frame_id: str = FRAME_ID) -> None:
+        self._known, self._core, self._frame_id = known, core, frame_id
+        self._boot = core.counts.restarts if core else 0
         self._faults: dict[int, int] = {}
         self._counters: dict[str, int] = {}
         self._told, self._told_counters = Counts(), dict[str, int]()
+
+    @property
+    def _units(self) -> Units:
+        return self._core.units if self._core else self._known
 
     def _header(self, stamp_ns: int) -> Message:
         return Message(stamp=_time(stamp_ns), frame_id=self._frame_id)
@@ -191,7 +197,7 @@ class Converter:
     def _frame(self, header: Message, ticks: int, **given: object) -> tuple[str, Message]:
         none: dict[str, object] = {"has_cop": False, "pressed": False, "x": 0.0, "y": 0.0, "load": 0}
         none |= {"has_image": False, "number": 0}
-        scale = _known(self._core.units.newtons_per_code)
+        scale = _known(self._units.newtons_per_code)
         return "/tactile/frame", Message(header=header, ticks=ticks, newtons_per_code=scale, **none | given)
 
     def _cop(self, header: Message, item: packets.CopFrame) -> Iterator[tuple[str, Message]]:
@@ -231,7 +237,7 @@ class Converter:
         before, late = (
             (State.CONTACT, False) if isinstance(item, packets.SlipEvent) else (item.before, item.late)
         )
-        clk_khz = self._core.units.clk_khz or 0
+        clk_khz = self._units.clk_khz or 0
         message = Message(
             header=header,
             ticks=item.time,
@@ -279,7 +285,10 @@ class Converter:
     def diagnostics(self, stamp_ns: int) -> tuple[str, Message]:
         """The state of the line, of the taxels and of the core's counters; what grew since the last call is
         a warning, an interrupted line an error."""
-        status = [self._of_line(), self._of_taxels(), self._of_counters()]
+        assert self._core
+        status = [self._of_line(self._core), self._of_taxels(), self._of_counters()]
+        for one in status:
+            one.hardware_id = self._core.line.name
         return "/diagnostics", Message(header=self._header(stamp_ns), status=status)
 
     def _status(self, name: str, level: int, says: str, values: Iterable[tuple[str, object]]) -> Message:
@@ -287,12 +296,12 @@ class Converter:
             level=level,
             name=f"meissner: {name}",
             message=says,
-            hardware_id=self._core.line.name,
+            hardware_id="",
             values=[Message(key=key, value=str(value)) for key, value in values],
         )
 
-    def _of_line(self) -> Message:
-        counts, before = asdict(self._core.counts), asdict(self._told)
+    def _of_line(self, core: Core) -> Message:
+        counts, before = asdict(core.counts), asdict(self._told)
         self._told = Counts(**counts)
         new = [
             f"{counts[name] - before[name]} {what}"
@@ -300,13 +309,13 @@ class Converter:
             if counts[name] > before[name]
         ]
         level, says = (WARN, "new: " + ", ".join(new)) if new else (OK, "nothing lost")
-        if self._core.interrupted:
-            level, says = ERROR, self._core.interrupted
+        if core.interrupted:
+            level, says = ERROR, core.interrupted
         return self._status("line", level, says, counts.items())
 
     def _of_taxels(self) -> Message:
         faulty = {taxel: faults for taxel, faults in sorted(self._faults.items()) if faults}
-        columns = self._core.units.columns
+        columns = self._units.columns
         values = []
         for taxel, faults in faulty.items():
             place = f"row {taxel // columns}, column {taxel % columns}" if columns else f"taxel {taxel}"

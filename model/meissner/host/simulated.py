@@ -293,7 +293,7 @@ def of_scenes(which: str | Sequence[Any] = SHOWN, speed: str = "1", seed: int = 
     sources: list[Source] = [statistics_source]
     settings: dict[str, int] = {}
     size, known, level = (1, 1), units.Units(), 1
-    found = which or SHOWN
+    found: Sequence[Any] = which or SHOWN
     for scene in map(scenes.load, found.split("+")) if isinstance(found, str) else found:
         if scene.sensor == "rubber":
             config = scene.slip_config()

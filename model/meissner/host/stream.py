@@ -37,7 +37,7 @@ def stream(
     core: Core, seconds: float | None = None, frame_id: str = FRAME_ID
 ) -> Iterator[tuple[int, str, Message] | None]:
     """(ns of UTC, topic, message) as packets arrive, and None at least every BEAT_S: time for settings."""
-    convert, stamps, told = Converter(core, frame_id), Stamps(core, follow=True), 0.0
+    convert, stamps, told = Converter(core.units, core, frame_id), Stamps(core, follow=True), 0.0
     core.ask_states()
     for item, beat in beats(core, seconds, BEAT_S):
         if item is not None:

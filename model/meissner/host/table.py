@@ -140,7 +140,7 @@ def items(log: Arrays, known: Units) -> Iterator[tuple[int, packets.Item | packe
             yield ns, (packets.Gap if kind == "gap" else packets.Reset)(**found)
             continue
         boot = int(np.searchsorted(resets, ns, side="right"))
-        at = {"time": found.pop("time"), "boot": boot}
+        at: dict[str, Any] = {"time": found.pop("time"), "boot": boot}
         at["time_s"] = known.seconds(at["time"])
         if kind == "state":
             states = tuple(log["state_state"][row : ends[row]].tolist())
@@ -150,23 +150,17 @@ def items(log: Arrays, known: Units) -> Iterator[tuple[int, packets.Item | packe
             more = {"x": x, "y": y, "x_mm": x_mm, "y_mm": y_mm, "load_n": known.load_newtons(found["load"])}
             yield ns, packets.CopFrame(**at, **found | more)
         elif kind == "image":
-            yield (
-                ns,
-                packets.Image(
-                    **at, **found, taxels=log["image"][row], newtons_per_code=known.newtons_per_code
-                ),
-            )
+            found |= {"taxels": log["image"][row], "newtons_per_code": known.newtons_per_code}
+            yield ns, packets.Image(**at, **found)
         elif kind in ("change", "slip"):
             code, start = found["p2p"], found.pop("start", True)
-            amounts = {"p2p_v": known.detail_volts(code), "p2p_n": known.detail_newtons(code)}
+            found |= {"p2p_v": known.detail_volts(code), "p2p_n": known.detail_newtons(code)}
             if start:
                 for name in ("before", "late"):
                     found.pop(name, None)
-            make = packets.SlipEvent if start else packets.StateChange
-            yield ns, make(**at, **found, **amounts)
+            yield ns, (packets.SlipEvent if start else packets.StateChange)(**at, **found)
         else:
-            make = packets.Health if kind == "health" else packets.Statistics
-            yield ns, make(**at, **found)
+            yield ns, (packets.Health if kind == "health" else packets.Statistics)(**at, **found)
 
 
 class NpzLog:
@@ -174,7 +168,7 @@ class NpzLog:
 
     KIND = ".rows"
 
-    def __init__(self, spool: UnfinishedLog, core: Core) -> None:
+    def __init__(self, spool: UnfinishedLog, known: Units, core: Core | None = None) -> None:
         self.spool, self._table, self._told = spool, Table(), False
         self.add = self._table.add
         spool.write(MAGIC)

@@ -29,13 +29,13 @@ img { display: block; max-width: 100%; height: auto; margin: 0 auto; }
 .zoom :checked + img { max-width: none; width: max(100%, 68rem); }
 .means { color: var(--soft); font-size: .9rem; margin: .4rem 0 0; padding: 0; list-style: none;
   columns: 2 24rem; }
-.means b { color: var(--ink); font-weight: normal; }
+.rows { font-size: .93rem; } .means i { color: var(--ink); font-style: normal; }
 .table { overflow-x: auto; } table { border-collapse: collapse; max-width: 100%; }
 th, td { padding: .25rem .8rem .25rem 0; text-align: left; vertical-align: top; font-weight: normal; }
 thead th { vertical-align: bottom; color: var(--soft); border-bottom: 2px solid var(--ink); }
 tbody th, td { border-bottom: 1px solid var(--line); } .facts th { color: var(--soft); width: 45%; }
 @media (max-width: 48rem) {
-  .means { display: none; }
+  .means { display: none; } .rows { font-size: 1rem; } figcaption::after { content: " (tap to enlarge)"; }
   h1 { font-size: 1.25rem; } .verdict { font-size: 1.05rem; }
   .rows, .rows tbody, .rows tr, .rows td { display: block; } .rows thead { display: none; }
   .rows tr { padding: .4rem 0; border-bottom: 2px solid var(--line); }
@@ -64,7 +64,9 @@ def _rows(rows):
         for row in rows
     )
     means = "".join(
-        f"<li><b>{text}</b>: {heads[key]}</li>" for key, text in columns.items() if text != heads[key]
+        f"<li><i>{text}</i>: {heads[key]}</li>"
+        for key, text in columns.items()
+        if text != heads[key].replace(",", "")
     )
     return (
         f'<div class="table"><table class="rows"><thead><tr>{head}</tr></thead>'
@@ -86,9 +88,10 @@ def _figure(picture):
     file, condition, shown = picture
     data = base64.b64encode(Path(file).read_bytes()).decode("ascii")
     condition, shown = html.escape(condition), html.escape(shown)
+    kind = "gif" if Path(file).suffix == ".gif" else "png"
     return (
         f'<figure><label class="zoom"><input type="checkbox" aria-label="larger">'
-        f'<img alt="{condition}: {shown}" src="data:image/png;base64,{data}"></label>'
+        f'<img alt="{condition}: {shown}" src="data:image/{kind};base64,{data}"></label>'
         f"<figcaption><b>{condition}</b>: {shown}</figcaption></figure>"
     )
 

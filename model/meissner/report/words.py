@@ -251,6 +251,60 @@ WORDS = {
     "y_rises": Words("pulls in which y rises"),
     "y_left": Words("move of y from the first rest to the last"),
     "y_follows": _share("move of the reported y, of the rope's"),
+    # tactile pins under a finger
+    "drive_hz": Words("drive frequency", "Hz"),
+    "above_db": Words("from above", "dB re 1 µm"),
+    "below_db": Words("from below", "dB re 1 µm"),
+    "fit_error_db": Words("from above at 230 Hz, less the published 22.2 dB", "dB"),
+    "apart_db": Words("from above less from below, mean", "dB"),
+    "correlation": Words("correlation of above and below"),
+    "single_low_db": Words("a single peak at 230 Hz can read low by", "dB"),
+    "frequency_error_hz": Words("drive frequency off the setting by", "Hz"),
+    "conclusion_1": Words("SA-I and FA-I are reached up to 20 Hz, at 30 V and more"),
+    "conclusion_2": Words("SA-II is never reached"),
+    "conclusion_3": Words("FA-II is above its plotted curve from 120 Hz on, at every voltage"),
+    "conclusion_4": Words("FA-II is never reached with the area of the tip"),
+    "smallest_reached": Words("FA-II with 0.008 cm², highest voltage: reached at", "Hz"),
+    "lowest_hz": Words("least displacement of every voltage at", "Hz", none="not the same frequency"),
+    "less_than_free_db": Words("less than the free pin by at least", "dB"),
+    "less_slow_db": Words("the same up to 20 Hz, at most", "dB"),
+    "less_fast_db": Words("the same from 100 Hz on, at least", "dB"),
+    "gained_slow_db": Words(
+        "from the lowest to the highest voltage, up to 20 Hz: more than in proportion by", "dB"
+    ),
+    "gained_fast_db": Words("the same from 100 Hz on", "dB"),
+    "spread_db": Words("spread of the pins", "dB"),
+    "volts": Words("drive", "V"),
+    **{f"at_{hz}_hz_db": Words(f"at {hz} Hz", "dB re 1 µm") for hz in (1, 20, 150, 230)},
+    **{name: Words(f"{name} reached at", "Hz") for name in ("SA-I", "SA-II", "FA-I")},
+    "FA-II": Words("FA-II reached, plotted curve, at", "Hz"),
+    "FA-II smallest": Words("FA-II reached, 0.008 cm², at", "Hz"),
+    "FA-II tip": Words("FA-II reached, the tip's area, at", "Hz"),
+    "out_um": Words("out in each burst by", "µm"),
+    "out_db": Words("out in each burst by", "dB re 1 µm"),
+    "back_um": Words("left after each burst", "µm"),
+    "ripple_um": Words("230 Hz on top, peak", "µm"),
+    "ripple_db": Words("230 Hz on top, peak", "dB re 1 µm"),
+    "felt_hz": Words("frequency of the bursts", "Hz"),
+    "felt_by": Words("channels that feel it"),
+    "ours": Words("ours"),
+    "error": Words("ours less published"),
+    "pins_on": Words("pins that are on"),
+    "pins_wrong": Words("pins that are not as the image has them"),
+    "pins_felt": Words("pins at which SA-I responds"),
+    "on_felt": _share("responds at pins that are on"),
+    "changes_felt": _share("responds at pins that change"),
+    "rest_felt": _share("responds at pins that stay off"),
+    "pin_on_in_steps": Words("pin of row 3, column 5 is on in steps"),
+    "step_ms": Words("step of the letter", "ms"),
+    "characters_min": Words("characters a minute"),
+    "words_min": Words("words a minute"),
+    "summed_pins": Words("pins at once that would reach FA-II if it summed the tips' areas"),
+    "image_correlation": Words("correlation of the pins' levels with the forces"),
+    "slip_ms": Words("slip flag", "ms", none="no flag"),
+    "pin_delay_ms": Words("from the slip flag to the pins", "ms", none="never"),
+    "cue_deg": Words("the pins' stripes move to", "°", none="nowhere"),
+    "cue_error_deg": Words("off the direction of the pull", "°"),
 }
 # Headings of columns in at most two words, where the words above are more.
 SHORT = {
@@ -338,7 +392,12 @@ SHORT = {
     },
     **{"off_share_second_order": "error 2nd", "of_the_mean": "deviation", "peaks_apart_mm": "peaks apart"},
     **{"peaks_apart_from_mm": "apart least", "peaks_apart_to_mm": "apart most"},
-    **{"neighbour_at_a_centre": "neighbour", "width_at_half_mm": "width", "height_g": "height"},
+    **{
+        "roundness": "roundness",
+        "neighbour_at_a_centre": "neighbour",
+        "width_at_half_mm": "width",
+        "height_g": "height",
+    },
     **{"quiet_sections": "quiet pulls", "slipping_sections": "slipping pulls", "errors": "with alarm"},
     **{"apart_steps": "alarm apart", "apart_ms": "alarm apart", "apart_ms_deviation": "apart deviation"},
     **{"trees": "trees", "trained_on": "trained on", "below": "below −15", "below_least": "fewest"},
@@ -352,6 +411,10 @@ SHORT = {
     **{"y_moves": "y moves", "y_rises": "y rises", "y_left": "y left", "y_follows": "y follows"},
     **{"unevenness_before": "before", "unevenness_after": "calibrated"},
     **{"unevenness_codes_as_they_are": "codes uneven", "unevenness_calibrated_by_probe": "probe uneven"},
+    **{f"at_{hz}_hz_db": f"{hz} Hz" for hz in (1, 20, 150, 230)},
+    **{name: name for name in ("SA-I", "SA-II", "FA-I", "FA-II", "FA-II smallest", "FA-II tip")},
+    **{"pins_on": "pins on", "on_felt": "on felt", "changes_felt": "changes felt", "rest_felt": "off felt"},
+    "error": "error",
 }
 # "condition" is a number among the solver's bounds, a name in a slip table.
 SOLVER_CONDITION = Words("condition number, at most")
@@ -398,7 +461,7 @@ def cell(key, value):
             return f"{value:,.4f}".rstrip("0").rstrip(".")
         return number(value if scale == 1 else value * scale)
     if key in INTERVALS:
-        return interval.ends(*value)
+        return interval.ends(*value).replace(" ", "\N{NO-BREAK SPACE}")
     return str(value)
 
 

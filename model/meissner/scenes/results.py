@@ -21,15 +21,17 @@ from meissner.terminal import columns
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture to be drawn: ``draw`` writes the PNG of the path that it is given.
+    """A picture to be drawn: ``draw`` writes the file of the path that it is given.
 
-    ``end``: of the file's name after the scene's; ``condition``, ``shown``: for the caption.
+    ``end``: of the file's name after the scene's; ``condition``, ``shown``: for the caption; ``kind``: png
+    or, for an animation, gif.
     """
 
     end: str
     draw: Callable[[Path], Any]
     condition: str
     shown: str
+    kind: str = "png"
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ def write(scene, result, out, began):
             file.write(content)
     pictures = []
     for picture in result.pictures:
-        path = out / f"{scene.name}{picture.end}.png"
+        path = out / f"{scene.name}{picture.end}.{picture.kind}"
         picture.draw(path)
         condition = f"{picture.condition}, seed {summary['seed']}, engine {summary['engine']}"
         pictures.append((path, condition, picture.shown))

@@ -103,6 +103,19 @@ class TimedEngine:
 
         return self._call("forest_features", run, codes, codes[:, : window + 1])
 
+    def pin_display(self, frames, size, settings):
+        """Shown of frames [periods, pins] of levels."""
+
+        def run(x, engine):
+            return function(engine, "pin_display")(x, size, settings)
+
+        return self._call("pin_display", run, frames, frames[:2])
+
+    def render(self, felt, *settings):
+        """Levels [frames, rows, columns] of what a sensor felt; ``settings``: grid, amplitude bits,
+        registers."""
+        return self._call("render", lambda x, engine: function(engine, "render")(x, *settings), felt)
+
     def demodulate(self, samples, carrier):
         """Codes [...] of carriers [..., samples]."""
         return self._call("demod", lambda x, engine: engines.demodulate(x, carrier, engine), samples)

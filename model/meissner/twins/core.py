@@ -40,10 +40,12 @@ class Hand:
     """A core with the reflex, one control cycle per call; ``actuate``: ActuateConfig, ``slip``: SlipConfig.
 
     ``start``: as in meissner.twins.actuate.grip.Grip; ``shear``: ShearConfig, for a core with ShearSpeed. A
-    window's speed is taken to arrive before the next frame: frames are 70 clocks apart or more.
+    window's speed is taken to arrive before the next frame: frames are 70 clocks apart or more. ``classify``:
+    of a core with a forest; a decision for a class of slip marks the next detail of every finger as over.
     """
 
-    def __init__(self, fingers, slip, actuate, start=None, shear=None):
+    def __init__(self, fingers, slip, actuate, start=None, shear=None, classify=None):
+        self.classify, self.marked = classify, False
         group = 1 << slip.level
         self.group, self.left = group, 0  # frames of the unfinished detail
         self.shear = None if shear is None else ShearSpeeds(shear, fingers)
@@ -60,11 +62,23 @@ class Hand:
         x = np.asarray(samples).T
         p2p, ends = self.extremes.next(self.haar.next(x)[0])
         speeds = self._speeds(x) if self.shear else ()
+        over = p2p > self.threshold
+        if self.classify:
+            over = over | self._marks(x, len(ends))
         self.left = (self.left + x.shape[1]) % self.group
-        word = self.actuate.next(x, p2p > self.threshold, ends, lost, override, speeds)
+        word = self.actuate.next(x, over, ends, lost, override, speeds)
         if self.shear:
             self.shear.commanded(word.increment if word.valid else None)
         return word
+
+    def _marks(self, x, details):
+        """Whether a decision of the forest marks each of ``details``; one after the last waits."""
+        marks = [self.marked] + [False] * details
+        for frame, of in self.classify.next(x):
+            if of.slips:
+                marks[(frame + 1 + self.left) // self.group] = True
+        self.marked = marks.pop()
+        return np.array(marks, bool)
 
     def _speeds(self, x):
         """(index of the next detail, finger, speed) of each window that ends in ``x``."""
@@ -126,10 +140,10 @@ def array_of(config):
 
 
 def hand_of(config, start=None):
-    """Hand of a configuration with [grip] and, optionally, [shear_speed]."""
-    return Hand(
-        config.channels, config.slip, config.features["grip"], start, config.features.get("shear_speed")
-    )
+    """Hand of a configuration with [grip] and, optionally, [shear_speed]; its forest: ``hand.classify``."""
+    features = config.features
+    classify = classify_of(config) if "forest" in features and features["forest"].frames else None
+    return Hand(config.channels, config.slip, features["grip"], start, features.get("shear_speed"), classify)
 
 
 def classify_of(config):

@@ -50,7 +50,7 @@ class Keys(Table, frozen=True):
 
 def check(base: "Config") -> None:
     if base.array and "forest" not in base.features:
-        raise ValueError("[grip] must go with [forest] for an array: the reflex answers its decisions")
+        raise ValueError("[grip] must go with [forest] for kind = 'array': it answers its decisions")
     if base.serial or not base.link.registers:
         raise ValueError("[grip] must go with serial = false and registers = true, which report a fault")
     if speeds := base.features.get("shear_speed"):

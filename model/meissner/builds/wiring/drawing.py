@@ -67,7 +67,7 @@ def _inputs(build: Config) -> list[list[_Inputs]]:
         ]
     if isinstance(build.sensor, Electrodes):
         return [[_Inputs(k, f"E{k + 1}") for k in range(4)]]
-    return [[_Inputs(k, str(k)) for k in range(build.channels)]]
+    return [[_Inputs(k, str(k)) for k in range(build.channels)]] if build.kind == "channels" else []
 
 
 class _Drawing:
@@ -98,7 +98,7 @@ class _Drawing:
         self.used: set[str] = set()
 
     def _is_onboard(self) -> bool:
-        return self.plan.roles["cs_n"].at == ("on the board",)
+        return "cs_n" in self.plan.roles and self.plan.roles["cs_n"].at == ("on the board",)
 
     # What is drawn
 
@@ -115,9 +115,10 @@ class _Drawing:
         y = self._sensor_rows(y)
         y = self._rest(y)
         self._board(top, y)
-        if not self._channels:
+        if self.column_places:
             self._sensor()
         x = self.chip_left - 4.5 if self._channels else self.sensor_right - SENSOR
+        x = x if self.inputs else -1.0
         sheet.text((x, 1.6), self.title, size=SIZE + 4)
         y = self._details(x, y - 2 * PITCH)
         for k, note in enumerate(self._notes()):
@@ -296,7 +297,7 @@ class _Drawing:
                 self.sheet.dot((-0.67, y), is_open=True)
             self._row(row, y)
             y -= PITCH
-        for what, at in self.plan.board.power.items():
+        for what, at in self.plan.board.power.items() if self.inputs else ():
             fed = "of the sensor" if self.onboard else f"of the converter: {self.chip.fed}"
             of = "of converter and sensor" if what == "GND" else fed
             self._row(_Row("power", what, "", at, of), y)
@@ -476,6 +477,9 @@ class _Drawing:
     def _notes(self) -> Iterator[str]:
         """What the drawing does not show."""
         part, build = self.build.part.name.upper(), self.build
+        if not self.inputs:
+            yield "No sensor: a host writes what the core computes with. Open ends may stay open."
+            return
         if self.onboard:
             yield f"{part}: on the {self.board.name}, its reference {IO_V:g} V; only the sensor is wired."
         else:

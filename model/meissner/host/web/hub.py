@@ -128,7 +128,7 @@ class Hub:
         self._history: deque[tuple[int, Arrays, int]] = deque()  # begin in ns, arrays, bytes
         self.history_size = 0
         self._asked: SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = SimpleQueue()
-        self.now: dict[str, dict[str, Any]] = {}  # the newest of what a viewer must know, by kind
+        self.now: dict[str, dict[Any, Any]] = {}  # the newest of what a viewer must know, by kind
         self._forget()
 
     def _forget(self) -> None:

@@ -184,7 +184,7 @@ class Handler(BaseHTTPRequestHandler):
         self._answer(HTTPStatus.OK, {"name": name, "value": self.server.write(name, value)})
 
     def _save(self, given: dict[str, Any]) -> None:
-        ends = [given.get("begin"), given.get("end")]
+        ends: list[Any] = [given.get("begin"), given.get("end")]
         if set(given) != {"begin", "end"} or not all(
             type(end) in (int, float) and math.isfinite(end) and abs(end) < 1e9 for end in ends
         ):

@@ -25,6 +25,7 @@ from meissner.twins.slip.slip_path import details
 
 PERIOD_S = 0.02
 POLL_S = 0.1  # between two reads of registers that no packet reports
+TURN = 4  # settings read with them
 STATUS_S = 0.5
 GROUPS = ("slip", "cop", "cop4", "cop_slip", "grip", "shear_speed")  # whose settings the page shows
 READ = ("grip.command", "grip.fault", "grip.faulty", "grip.tightenings")
@@ -81,16 +82,17 @@ class OfPins:
     twins'."""
 
     def __init__(self, pipe: CoreOnPins) -> None:
-        self._pipe, config = pipe, pipe.config.slip
-        span, hop = (each >> config.level for each in (config.window, config.hop))
+        assert pipe.config.slip is not None  # it has channels
+        self._pipe, self._slip = pipe, pipe.config.slip
+        span, hop = (each >> self._slip.level for each in (self._slip.window, self._slip.hop))
         self._spans, self._done = PeakToPeak(pipe.config.channels, span, hop), 0
 
     def take(self) -> Iterator[Trace]:
         pipe, config = self._pipe, self._pipe.config
-        step = BLOCK << config.slip.level
+        step = BLOCK << self._slip.level
         while self._done + step <= pipe.frames:
             codes = pipe.codes[np.arange(self._done, self._done + step) % len(pipe.codes)].T
-            p2p, _ = self._spans.next(details(codes, config.slip)[0])
+            p2p, _ = self._spans.next(details(codes, self._slip)[0])
             yield traced(config.clk_khz, config.rate_hz, self._done, codes, p2p)
             self._done += step
 
@@ -116,8 +118,9 @@ class OfCore:
         self._polled, self._told = time.monotonic(), 0.0
         self._turn = deque(self._settings)
         self._pipe = getattr(core.line, "pipe", None)
-        single = isinstance(self._pipe, CoreOnPins) and self._pipe.config.kind == "channels"
-        self._pins = OfPins(self._pipe) if single else None
+        self._pins = None
+        if isinstance(self._pipe, CoreOnPins) and self._pipe.config.kind == "channels":
+            self._pins = OfPins(self._pipe)
         core.ask_states()
 
     def stop(self) -> None:
@@ -182,10 +185,10 @@ class OfCore:
             yield from self._pins.take()
 
     def _poll(self) -> None:
-        """Read what changes by itself, and one setting after the other: another host may have written it."""
-        self._turn.rotate(-1)
+        """Read what changes by itself, and some settings in turn: another host may have written them."""
+        self._turn.rotate(-TURN)
         with suppress(OSError, ValueError), self.core.impatient():
-            for name in (*self._read, *list(self._turn)[:1]):
+            for name in (*self._read, *list(self._turn)[:TURN]):
                 self.hub.remember("register", name, self.core[name])
 
 

@@ -19,7 +19,7 @@ class ImageStore:
 
     def next(self, beat=None, begun=False, done=False):
         """A clock; ``beat``: (taxel, last, time) or None; ``begun``, ``done``: signals of the reader."""
-        if self._held is not None and not (self.readable and (begun or done)):
+        if self._held is not None and not (begun or done):
             self.dropped += self.readable is not None
             self.readable, self._held = self._held, None
         elif done:

@@ -9,7 +9,7 @@ TABLE = """
 core always What this core is
   000 id                   31:0  constant 4d534e52 -
   004 version.patch        7:0   constant 0        -
-  004 version.minor        15:8  constant 6        -
+  004 version.minor        15:8  constant 7        -
   004 version.major        31:16 constant 0        -
   008 features             31:0  features 0        -
   00c size.rows            15:0  status   0        -
@@ -204,8 +204,8 @@ forest feature Forest
   c08 nodes                22:0  status   0        -
   c0c leaves               16:0  status   0        -
   c10 target.kind          1:0   setting  0        at_once
-  c10 target.engine        13:8  setting  0        at_once
-  c10 target.label         31:16 setting  0        at_once
+  c10 target.engine        7:2   setting  0        at_once
+  c10 target.label         23:8  setting  0        at_once
   c14 address              21:0  setting  0        at_once   written
   c18 high                 31:0  setting  0        at_once
   c1c data                 31:0  setting  0        at_once   written
@@ -218,7 +218,7 @@ forest feature Forest
   c28 state.error          6:4   status   0        -
   c2c written              31:0  status   0        -
   c30 feature              21:0  setting  0        at_once   signed written
-  c30 feature.index        31:24 setting  0        at_once
+  c30 feature.index        29:22 setting  0        at_once
   c34 start                0:0   command  0        at_once
   c38 slip                 31:0  setting  0        at_once
   c3c grip                 0:0   setting  0        at_once
@@ -232,5 +232,33 @@ forest feature Forest
   c5c absent               15:0  status   0        -
   c60 late                 15:0  status   0        -
   c64 broken               15:0  status   0        -
+display feature Pin display
+  d00 enable               0:0   setting  0        at_once
+  d04 increment            31:0  setting  0        at_once
+  d08 burst_period         11:0  setting  0        at_once
+  d0c burst_on             11:0  setting  0        at_once
+  d10 top                  7:0   setting  ff       at_once
+  d14 most                 11:0  setting  fff      at_reset
+  d18 duty                 15:0  setting  4e20     at_reset
+  d1c watchdog             3:0   setting  3        at_reset
+  d20 stop                 15:0  setting  7d0      at_reset
+  d24 source               0:0   setting  0        at_once
+  d28 floor                15:0  setting  1        at_once
+  d2c step                 15:0  setting  0        at_once
+  d30 marker               0:0   setting  0        at_once
+  d34 cue                  7:0   setting  0        at_once
+  d38 octant               2:0   setting  0        at_once
+  d3c health               0:0   setting  1        at_once
+  d40 levels.next          23:0  setting  0        at_once
+  d40 levels.last          24:24 setting  0        at_once   written
+  d44 size.rows            7:0   status   0        -
+  d44 size.columns         15:8  status   0        -
+  d44 size.bits            23:16 status   0        -
+  d48 state.running        0:0   status   0        -
+  d48 state.fault          1:1   status   0        -
+  d48 state.limited        2:2   status   0        -
+  d48 state.pins           19:8  status   0        -
+  d4c dropped              15:0  status   0        -
+  d50 faults               31:0  status   0        -
 """
 GROUPS = read(TABLE)

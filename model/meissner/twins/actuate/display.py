@@ -1,0 +1,90 @@
+"""Twin of rtl/actuate/msn_display.sv: a tactile display at a core, from a sensor's results or a host's
+frames."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize, PinDisplay
+from meissner.twins.actuate.render import Render, RenderSettings
+from meissner.twins.shared import within
+
+LANES = 3  # levels of a word of a host
+
+
+def words(levels):
+    """What a host writes to the register display.levels for a frame [rows, columns], in order."""
+    levels = np.asarray(levels)
+    within(**{"levels": (int(levels.min()), 0, 255), "level": (int(levels.max()), 0, 255)})
+    found = []
+    for row in levels.tolist():
+        row = [*row, *[0] * (-len(row) % LANES)]
+        found += [row[k] | row[k + 1] << 8 | row[k + 2] << 16 for k in range(0, len(row), LANES)]
+    found[-1] |= 1 << 24
+    return found
+
+
+@dataclass(frozen=True)
+class DisplayConfig:
+    """A display of ``grid`` rows and columns; ``octant``: where a slip's cue moves if the sensor does not
+    know it; ``health``: whether a taxel that cannot be trusted is a fault."""
+
+    grid: tuple[int, int] = (5, 20)
+    size: DisplaySize = field(default_factory=DisplaySize)
+    pins: DisplaySettings = field(default_factory=DisplaySettings)
+    render: RenderSettings = field(default_factory=RenderSettings)
+    octant: int = 0
+    health: bool = True
+    host: bool = False
+
+    def __post_init__(self):
+        within(octant=(self.octant, 0, 7), rows=(self.grid[0], 1, 128), columns=(self.grid[1], 1, 128))
+        if self.grid[0] * self.grid[1] != self.size.pins:
+            raise ValueError(f"a grid of {self.grid[0]} x {self.grid[1]} must have {self.size.pins} pins")
+
+    @property
+    def settings(self):
+        """{register of the group display: value}, with the display enabled."""
+        found = {"enable": 1, "source": int(self.host), "octant": self.octant, "health": int(self.health)}
+        return found | self.pins.settings | self.render.settings
+
+    def render_of(self, shape):
+        """What makes its frames of a sensor with images of that ``shape``, None: without."""
+        return Render(shape, self.grid, self.size.amplitude_bits, self.render)
+
+    @property
+    def parameters(self):
+        """Parameters of rtl/msn_core.sv."""
+        rows, columns = self.grid
+        size = {"PinChains": self.size.chains, "AmplitudeBits": self.size.amplitude_bits}
+        return {"PinRows": rows, "PinColumns": columns} | size
+
+
+@dataclass
+class Display:
+    """``feel`` takes a sensor's frame, ``period`` is a drive period, which shows the newest. ``shape``: of
+    the image, None: without one."""
+
+    config: DisplayConfig
+    shape: tuple[int, int] | None = None
+
+    @cached_property
+    def render(self):
+        return self.config.render_of(self.shape)
+
+    @cached_property
+    def pins(self):
+        return PinDisplay(self.config.size, self.config.pins)
+
+    frame = None
+
+    def feel(self, image=None, slip=False, octant=None, cop=None):
+        """The frame [rows, columns] that the next period shows."""
+        self.frame = self.render.next(image, slip, self.config.octant if octant is None else octant, cop)
+        return self.frame
+
+    def period(self):
+        """The next drive period (PinDisplay.next)."""
+        frame, self.frame = self.frame, None
+        return self.pins.next(None if frame is None else frame.ravel())

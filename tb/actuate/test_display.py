@@ -1,0 +1,181 @@
+"""msn_display: images to pins within the clocks of the budget, a host's words as a frame, faults of the
+sensor, damaged frames of a host, a slip's octant. The model's words by hand."""
+
+import random
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+import members
+from meissner.twins.actuate.display import Display, DisplayConfig, words
+from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize
+from meissner.twins.actuate.render import RenderSettings
+from parts.hv507 import Hv507
+from reference.pin_display import stripes
+
+SHAPE, GRID = (3, 4), (2, 5)
+SIZE = DisplaySize(pins=10, amplitude_bits=2, clk_khz=4000)
+SETTINGS = {"increment": SIZE.limits[1], "stop": 65535}
+QUIET = {"image_valid_i": 0, "image_data_i": 0, "image_last_i": 0, "cop_valid_i": 0, "cop_i": 0, "slip_i": 0}
+QUIET |= {"raised_i": 0, "octant_i": 0, "sensor_i": 0}
+PERIOD = 10_000  # clocks, 400 Hz at 4 MHz
+
+
+def word(host=False, render=None, **more):
+    config = DisplayConfig(
+        GRID, SIZE, DisplaySettings(**SETTINGS), render or RenderSettings(1, 100), host=host
+    )
+    settings = config.settings | more
+    return members.word("display_cfg", {name: int(value) for name, value in settings.items()})
+
+
+class Bench:
+    async def start(self, dut, **how):
+        self.dut = dut
+        await bench.start(dut, cfg_i=word(**how), **QUIET)
+        lines = (dut.hv_clk_o, dut.hv_le_o, dut.hv_bl_o, dut.hv_pol_o)
+        slow = lambda violation: None if str(violation)[:2] == "t_" else Hv507.fail(None, violation)
+        self.driver = Hv507(dut.hv_data_o, *lines, 1, report=slow)
+        return self
+
+    async def image(self, taxels):
+        taxels = np.ravel(taxels)
+        for place, taxel in enumerate(taxels):
+            self.dut.image_valid_i.value, self.dut.image_data_i.value = 1, int(taxel)
+            self.dut.image_last_i.value = place == len(taxels) - 1
+            await bench.RisingEdge(self.dut.clk_i)
+        self.dut.image_valid_i.value = self.dut.image_last_i.value = 0
+
+    async def host(self, levels, cut=None):
+        for each in words(levels)[:cut]:
+            for strobe in (1, 0):
+                self.dut.cfg_i.value = word(
+                    host=True, levels_next=each & 0xFFFFFF, levels_last=each >> 24, levels_written=strobe
+                )
+                await bench.clocks(self.dut, 1 + 4 * (1 - strobe))
+
+    @property
+    def on(self):
+        """The pins that are high now; outputs without a pin are low."""
+        assert not any(self.driver.outputs[GRID[0] * GRID[1] :])
+        return np.reshape(self.driver.outputs[: GRID[0] * GRID[1]], GRID)
+
+
+felt = bench.applies(lambda dut: dut.Image.value.to_unsigned() == 1)
+
+
+@bench.applies(lambda dut: dut.Image.value.to_unsigned() == 0)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def stripes_move_where_a_slip_began_to_go(dut):
+    """The octant in the sample that raises the slip; a frame for each centre of pressure."""
+    here = await Bench().start(dut, render=RenderSettings(1, 0, 0, 1), octant=6)
+    await bench.clocks(dut, 10)
+    dut.raised_i.value, dut.octant_i.value, dut.slip_i.value = 1, 3, 1
+    await bench.clocks(dut, 1)
+    dut.raised_i.value, dut.octant_i.value = 0, 5
+    for phase in range(3):
+        dut.cop_valid_i.value = 1
+        await bench.clocks(dut, 1)
+        dut.cop_valid_i.value = 0
+        await bench.RisingEdge(dut.hv_le_o)
+        await bench.clocks(dut, PERIOD * (2 if phase == 0 else 1))
+        seen = np.zeros(GRID, dtype=int)
+        for _ in range(PERIOD // 50):
+            await bench.clocks(dut, 50)
+            seen |= here.on
+        assert {tuple(pin) for pin in np.argwhere(seen).tolist()} == stripes(3, phase, *GRID)
+
+
+@felt
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def what_the_sensor_feels_is_on_the_pins_in_time(dut):
+    """At most the clocks of the budget after the last taxel: computing, a drive period, the load."""
+    here, draw = await Bench().start(dut), random.Random(bench.SEED)
+    await here.image(np.zeros(SHAPE))
+    await bench.clocks(dut, 2 * PERIOD + SIZE.lead + 400)
+    twin = Display(DisplayConfig(GRID, SIZE, render=RenderSettings(1, 100)), SHAPE)
+    image = np.array([[0, 300, 0, 0], [0, 250, 0, 999], [7, 0, 0, 0]])
+    await bench.clocks(dut, draw.randrange(PERIOD))
+    await here.image(image)
+    levels = twin.feel(image)
+    most = twin.render.clocks + PERIOD + SIZE.lead
+    for clock in range(most + 1):  # noqa: B007
+        await bench.ReadOnly()
+        if here.on.any():
+            break
+        await bench.RisingEdge(dut.clk_i)
+    assert 0 < clock <= most and here.on.tolist() == (levels > 0).tolist()
+
+
+@felt
+@cocotb.test(timeout_time=9, timeout_unit="ms")
+async def a_hosts_words_are_a_frame(dut):
+    """A cut frame is dropped; the sensor's frames do not count, nor its faults."""
+    here = await Bench().start(dut, host=True)
+    await here.host(np.full(GRID, 3))
+    await bench.clocks(dut, 2 * PERIOD + SIZE.lead + 400)
+    assert here.on.all()
+    levels = np.array([[255, 0, 1, 0, 2], [0, 3, 0, 0, 9]])
+    await here.host(levels)
+    await here.host(levels * 0, cut=2)
+    await here.image(np.zeros(SHAPE))
+    dut.sensor_i.value = members.word("status", {"scan_lost": 1, "health_dead": 2})
+    await bench.RisingEdge(dut.hv_le_o)
+    await bench.clocks(dut, PERIOD)
+    seen = np.zeros(GRID, dtype=int)
+    for _ in range(PERIOD // 50):
+        await bench.clocks(dut, 50)
+        seen |= here.on
+    assert seen.tolist() == (levels > 0).tolist()
+    status = members.of("display_status", bench.read(dut.status_o))
+    assert (status["size_rows"], status["size_columns"], status["size_bits"]) == (2, 5, 2)
+    assert (status["state_running"], status["state_fault"], status["state_pins"]) == (1, 0, 5)
+
+
+@felt
+@cocotb.test(timeout_time=9, timeout_unit="ms")
+async def a_fault_of_the_sensor_switches_off(dut):
+    """A lost conversion once, then a silent period; a taxel that health reports as long as it is reported."""
+    here = await Bench().start(dut)
+    await here.image(np.full(SHAPE, 500))
+    await bench.clocks(dut, 2 * PERIOD + SIZE.lead + 400)
+    for name in ("scan_lost", "adc_timeout", "adc_mistagged", "health_railed"):
+        assert bench.high(dut.hv_bl_o)
+        dut.sensor_i.value = members.word("status", {name: 1})
+        await bench.clocks(dut, 4)
+        assert not bench.high(dut.hv_bl_o) and not here.on.any(), name
+        await bench.clocks(dut, 2 * PERIOD + SIZE.lead)
+        assert bench.high(dut.hv_bl_o) == (name != "health_railed")
+    status = members.of("display_status", bench.read(dut.status_o))
+    assert status["faults"] == 4
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset(dut):
+    await bench.inputs_in_reset(dut, "hv_clk_o", "hv_le_o", "hv_bl_o")
+
+
+EVIDENCE = {
+    "equivalence": {"boxes": True},
+    "faults": {"none": "no frames leave: those of its blocks are injected there"},
+}
+
+
+@pytest.mark.parametrize("sensor", [{}, {"Image": 0, "Directed": 1}], ids=("array", "electrodes"))
+def test_display(sensor):
+    size = {"Rows": SHAPE[0], "Columns": SHAPE[1], "PinRows": GRID[0], "PinColumns": GRID[1]}
+    bench.run("actuate", "display", size | {"AmplitudeBits": 2, "ClkKhz": 4000} | sensor)
+
+
+def test_refuses_illegal_parameters():
+    assert "Display = 1 must go with" in bench.refuses("display", {"Suits": 0})
+
+
+def test_words_by_hand():
+    """Three levels a word, the first lowest; a row ends its word; the last word says so."""
+    assert words([[1, 2, 3, 4], [5, 6, 7, 255]]) == [0x030201, 0x04, 0x070605, 0x1_0000_FF]
+    for wrong in (-1, 256):
+        with pytest.raises(ValueError, match="level"):
+            words([[wrong, 0]])

@@ -1,0 +1,339 @@
+"""msn_pin_display with models of the drivers at its pins: every edge of every output in its clock, by the
+twin; the two limits, pins at once and the duty in any window, from the outputs alone; faults, frames that
+stop, damaged and too many frames, settings within a period. The twin against the lists of
+tb/reference/pin_display.py."""
+
+import random
+from collections import Counter
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import FallingEdge
+from cocotb.utils import get_sim_time
+
+import bench
+from meissner.twins.actuate.pin_display import (
+    DisplaySettings,
+    DisplaySize,
+    PinDisplay,
+    high,
+    increment_of,
+    share,
+)
+from parts.hv507 import Hv507
+from reference.pin_display import WRAP, Limits, Phase
+
+SIZES = [
+    DisplaySize(35, 1, 1, 1000, 500, 500, 1000, 40, 50),
+    DisplaySize(9, 2, 3, 1000, 500, 150, 290, 40, 167),
+]
+IDLE = {"in_valid_i": 0, "in_data_i": 0, "in_last_i": 0, "fault_i": 0}
+
+
+def size_of(dut):
+    return next(size for size in SIZES if size.pins == dut.Pins.value.to_unsigned())
+
+
+class Bench:
+    """The block with drivers at its pins, and the twin beside it."""
+
+    async def start(self, dut, settings):
+        self.dut, self.size = dut, size_of(dut)
+        if not hasattr(self, "drivers"):
+            await bench.start(dut, **IDLE, cfg_enable_i=1, **self.inputs(settings))
+        self.zero = get_sim_time("ns")
+        lines = (dut.hv_clk_o, dut.hv_le_o, dut.hv_bl_o, dut.hv_pol_o)
+        pass_time = lambda violation: None if str(violation)[:2] == "t_" else Hv507.fail(None, violation)
+        drivers = self.size.chain_bits // 64
+        self.drivers = [
+            Hv507(dut.hv_data_o, *lines, drivers, k, report=pass_time) for k in range(self.size.chains)
+        ]
+        self.twin = PinDisplay(self.size, settings)
+        return self
+
+    @staticmethod
+    def inputs(settings):
+        return {f"cfg_{name}_i": value for name, value in settings.settings.items()}
+
+    def set(self, settings):
+        for name, value in self.inputs(settings).items():
+            getattr(self.dut, name).value = value
+
+    @property
+    def clock(self):
+        return round((get_sim_time("ns") - self.zero) / 10)
+
+    async def frame(self, levels, last=None):
+        """A frame; ``last``: place that has `last`, None: the last one."""
+        for place, level in enumerate(levels):
+            self.dut.in_valid_i.value, self.dut.in_data_i.value = 1, int(level)
+            self.dut.in_last_i.value = place == (len(levels) - 1 if last is None else last)
+            await bench.RisingEdge(self.dut.clk_i)
+        self.dut.in_valid_i.value = self.dut.in_last_i.value = 0
+
+    async def wrap(self):
+        """The clock in which the next period begins at the pins."""
+        await bench.RisingEdge(self.dut.wrap_o)
+        return self.clock
+
+    def changes(self, first):
+        """[(clock, levels of all pins)] of the drivers' outputs after each change, from clock ``first``
+        on."""
+        times = sorted({round((ns - self.zero) / 10) for driver in self.drivers for ns, _ in driver.changes})
+        found, before = [], None
+        for time in times:
+            last = [
+                [v for ns, v in driver.changes if ns - self.zero <= 10 * time + 9][-1]
+                for driver in self.drivers
+            ]
+            levels = tuple(v for chain in last for v in chain[: self.size.chain_pins])[: self.size.pins]
+            if time >= first and levels != before:
+                found.append((time, levels))
+            before = levels
+        return found
+
+    def expected(self, periods):
+        """The same by the twin."""
+        found, before = [], (0,) * self.size.pins
+        for period in periods:
+            for slot, states in enumerate(high(period.levels, self.size.amplitude_bits).T):
+                levels = tuple(states.astype(int).tolist())
+                if levels != before:
+                    found.append((period.start + period.slots[slot], levels))
+                before = levels
+        return found
+
+
+def frame_of(draw, size):
+    kind = draw.random()
+    if kind < 0.15:
+        return [255] * size.pins
+    return [draw.choice([0, 0, 1, 2, 5, 255]) if kind < 0.8 else 0 for _ in range(size.pins)]
+
+
+@cocotb.test(timeout_time=9, timeout_unit="ms")
+@cocotb.parametrize((("duty", "watchdog"), [(65535, 2), (120, 15), (400, 15)]))
+async def every_edge_is_the_twins(dut, duty, watchdog):
+    draw, size = random.Random(f"{bench.SEED} {duty} {watchdog}"), size_of(dut)
+    least, largest = size.limits
+    settings = DisplaySettings(
+        increment=draw.randint(least, largest), duty=duty, watchdog=watchdog, most=size.pins
+    )
+    here = await Bench().start(dut, settings)
+    frame, periods, most, changed = frame_of(draw, size), [], [], True
+    await here.frame(frame)
+    for n in range(40):
+        clock = await here.wrap()
+        if n == 0:
+            here.twin.on_again(clock - size.lead)
+        period = here.twin.next(frame, settings)
+        assert period.start == clock and period.silent == changed
+        periods.append(period)
+        most.append((clock, settings.most))
+        await bench.ReadOnly()
+        assert (
+            bench.read(dut.pins_o) == sum(period.levels > 0) and bench.read(dut.limited_o) == period.limited
+        )
+        await bench.RisingEdge(dut.clk_i)
+        frame, changed = None, False
+        if draw.random() < 0.6:
+            frame = frame_of(draw, size)
+            await here.frame(frame)
+        if draw.random() < 0.3:
+            words = {"most": draw.choice([0, 1, 4, size.pins]), "top": draw.choice([0, 1, 4, 255])}
+            words |= {"burst_period": draw.choice([0, 3]), "burst_on": draw.choice([1, 2])}
+            if draw.random() < 0.3:
+                words["increment"] = draw.choice(
+                    [least, largest, (1 << 32) - 1, draw.randint(least, largest)]
+                )
+            changed = min(words.get("increment", settings.increment), largest) != here.twin.increment
+            settings = DisplaySettings(**(settings.settings | words))
+            here.set(settings)
+    await here.wrap()
+    first = periods[0].start
+    got = here.changes(first)
+    assert [one for one in got if one[0] < periods[-1].start] == here.expected(periods[:-1])
+    # The limits, from the outputs alone.
+    at_once = max(sum(levels) for _, levels in got)
+    assert all(sum(v) <= dict(most)[max(c for c, _ in most if c <= clock)] for clock, v in got)
+    assert at_once > 0
+    window = 7 * size.ticks * size.tick_clocks
+    for pin in range(size.pins):
+        driven = [
+            (p.start, p.start + p.clocks)
+            for p in periods[:-1]
+            if any(v[pin] for clock, v in got if p.start <= clock < p.start + p.clocks)
+        ]
+        for _, end in driven:
+            spent = sum(
+                min(b, end) - max(a, end - window) for a, b in driven if min(b, end) > max(a, end - window)
+            )
+            assert spent <= duty * size.tick_clocks, (pin, end)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def all_is_off_from_the_next_clock_on(dut):
+    """A fault and no enable in any part of a period; after that a silent period, and the frame again."""
+    size, draw = size_of(dut), random.Random(bench.SEED)
+    settings = DisplaySettings(increment=size.limits[1])
+    here = await Bench().start(dut, settings)
+    await here.frame([255] * size.pins)
+    await here.wrap()
+    for name, level in (("fault_i", 1), ("cfg_enable_i", 0)) * 4:
+        await here.wrap()
+        await bench.clocks(dut, draw.randrange(size.slot_clocks * 2))
+        getattr(dut, name).value = level
+        await bench.clocks(dut, 2)
+        assert not any(any(driver.outputs) for driver in here.drivers) and not bench.high(dut.running_o)
+        begun = here.clock
+        await bench.clocks(dut, draw.choice([1, 50, 3000]))
+        getattr(dut, name).value = 1 - level
+        first, second = await here.wrap(), await here.wrap()
+        await bench.clocks(dut, 5)
+        assert {clock for clock, _ in here.changes(begun)} == {
+            second
+        } and second - first <= size.slot_clocks * size.slots + 99
+        assert sum(here.changes(begun)[-1][1]) == size.pins
+    dut.rst_i.value = 1
+    await bench.clocks(dut, 2)
+    assert not any(any(driver.outputs) for driver in here.drivers)
+    dut.rst_i.value = 0
+    await bench.clocks(dut, 3 * size.slots * size.slot_clocks)
+    assert not any(any(driver.outputs) for driver in here.drivers)  # no frame has come since the reset
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def all_is_off_when_frames_stop(dut):
+    """In the clock after as many ticks as ``stop`` since the wrap that took the last frame."""
+    size = size_of(dut)
+    settings = DisplaySettings(increment=size.limits[1], stop=300)
+    here = await Bench().start(dut, settings)
+    await here.frame([255] * size.pins)
+    taken = await here.wrap() - size.lead
+    await FallingEdge(dut.hv_bl_o)
+    off = here.clock - 1
+    ticks = lambda clock: (clock + 1) // size.tick_clocks
+    assert ticks(off - 1) - ticks(taken) == 300 and ticks(off - 2) - ticks(taken) == 299
+    await bench.clocks(dut, 5000)
+    assert not any(any(driver.outputs) for driver in here.drivers)
+    await here.frame([255] * size.pins)
+    await here.wrap()
+    await here.wrap()
+    await bench.clocks(dut, 2)
+    assert sum(here.changes(0)[-1][1]) == size.pins
+    dut.cfg_stop_i.value, begun = 65535, await here.wrap()
+    await bench.clocks(dut, 2 * size.slot_clocks)
+    dut.cfg_increment_i.value = size.limits[0] - 1  # frequency 0: off at the wrap, not before
+    await FallingEdge(dut.hv_bl_o)
+    period = -(-WRAP // size.limits[1])
+    assert abs(here.clock - 1 - (begun - size.lead + period)) <= 1
+    await bench.clocks(dut, 5000)
+    assert not any(here.changes(0)[-1][1]) and not bench.high(dut.running_o)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def keeps_the_newest_whole_frame(dut):
+    """Three frames in a period; one too short, one too long, one without an end."""
+    size = size_of(dut)
+    here = await Bench().start(dut, DisplaySettings(increment=size.limits[0]))
+    one = lambda pin: [255 * (k == pin) for k in range(size.pins)]
+    await here.frame(one(0))
+    await here.wrap()
+    for pin in (1, 2, 3):
+        await here.frame(one(pin))
+        await bench.clocks(dut, 5)
+    await here.wrap()
+    await bench.clocks(dut, 2)
+    assert np.flatnonzero(here.changes(0)[-1][1]).tolist() == [3] and bench.read(dut.dropped_o) == 2
+    await here.frame([255] * (size.pins - 1))
+    await here.frame([255] * (size.pins + 1))
+    await here.frame([255] * size.pins, last=-1)
+    await bench.clocks(dut, 5)
+    assert bench.read(dut.dropped_o) == 5
+    await here.wrap()
+    await bench.clocks(dut, 2)
+    assert np.flatnonzero(here.changes(0)[-1][1]).tolist() == [3]
+
+
+EVIDENCE = {
+    "equivalence": {"boxes": True},
+    "faults": {"none": "no frames leave: those of its blocks are injected there"},
+}
+
+
+@pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size.pins}")
+def test_pin_display(size):
+    bench.run("actuate", "pin_display", size.parameters)
+
+
+def test_refuses_what_cannot_be_shifted_in_time():
+    """1,000 pins in one chain at 8 MHz: 1,024 bits and pauses take 144 us, a pass and the rest 22 us; a slot
+    of three bits at 400 Hz has 156 us. Two chains halve the shift."""
+    wide = {"pins": 1000, "clk_khz": 48_000}
+    assert DisplaySize(**wide, amplitude_bits=2).lead == 1000 + 6912 + 48
+    for more in ({"amplitude_bits": 3}, {"amplitude_bits": 4, "chains": 2}):
+        size = wide | more
+        with pytest.raises(ValueError, match=rf"amplitude_bits = {more['amplitude_bits']}: a slot of"):
+            DisplaySize(**size)
+        given = {
+            "Pins": 1000,
+            "ClkKhz": 48_000,
+            "AmplitudeBits": more["amplitude_bits"],
+            "Chains": more.get("chains", 1),
+        }
+        assert f"AmplitudeBits = {more['amplitude_bits']} makes slots of" in bench.refuses(
+            "pin_display", given
+        )
+    assert DisplaySize(**wide, amplitude_bits=3, chains=2).half == 3
+    for wrong in ({"pins": 1}, {"chains": 9}, {"amplitude_bits": 7}, {"ticks": 3999}, {"min_hz": 401}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            DisplaySize(**wrong)
+    for wrong in ({"watchdog": 16}, {"top": 256}, {"increment": 1 << 32}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            DisplaySettings(**wrong)
+
+
+def test_widths_of_pulses_by_hand():
+    """One bit: half of the period, or nothing. Two bits: 2, 3 and 4 of 8 slots."""
+    assert high([0, 1], 1).tolist() == [[False] * 4, [True, True, False, False]]
+    assert share([0, 1, 2, 3], 2).tolist() == [0, 2 / 8, 3 / 8, 4 / 8]
+
+
+@pytest.mark.parametrize("duty, watchdog", [(65535, 15), (1500, 15), (65535, 1), (3000, 3)])
+def test_twin_against_the_lists(duty, watchdog):
+    """At the full size, 230 Hz, 25 MHz: the phase clock by clock for three periods, the limits for 40 s."""
+    size, draw = DisplaySize(pins=6), random.Random(bench.SEED)
+    settings = DisplaySettings(increment_of(230, 25_000), 92, 60, 14, 4, duty, watchdog)
+    twin, lists = PinDisplay(size, settings), Limits(6, 4)
+    phase = Phase(*size.limits, size.slots, size.tick_clocks, size.ticks)
+    words = (settings.increment, 92, 60, 65535)
+    steps = []
+    for clock in range(350_000 if duty == 1500 else 0):
+        _, _, slot = phase.clock(*words)
+        if slot is not None:
+            steps.append((clock, slot))
+    if steps:
+        twin.on_again(steps[0][0])
+        found = [twin.next([1] * 6) for _ in range(3)]
+        assert steps[:96] == [(p.start - size.lead + k, n) for p in found for n, k in enumerate(p.slots)]
+        twin.reset()
+    twin.on_again(1000)
+    seventh, frame, seen, before = 0, [0] * 6, Counter(), 0
+    for n in range(9200):
+        given = None
+        if draw.random() < 0.01:
+            frame = given = [draw.choice([0, 1, 9, 200]) for _ in range(6)]
+        if n % 50 == 0:
+            frame = given = [255, *frame[1:]]
+        wrap = twin.wrap
+        period = twin.next(given)
+        now = wrap // 6250 // 5715  # sevenths that ended before this clock
+        length = (wrap + 1) // 6250 - (before + 1) // 6250 if n else 0
+        burst = n == 0 or (n - 1) % 92 < 60
+        levels, kept_off = lists.period(frame, length, now > seventh, 14, 4, duty, watchdog, burst, n == 0)
+        assert (period.levels.tolist(), period.limited) == (levels, kept_off), n
+        seventh, before = now, wrap
+        seen[bool(kept_off), any(levels)] += 1
+    assert twin.wrap == 1000 + 1 - (-(9200 * WRAP) // settings.increment)
+    assert len(seen) >= 3

@@ -1,0 +1,222 @@
+"""msn_render against its model, and both against areas in fractions and cues written out: images larger and
+smaller than the grid, of one row, all zero and full scale; a damaged image; images faster than it; every
+octant; a marker at each corner. Its clocks by count."""
+
+import random
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.twins.actuate import render
+from meissner.twins.actuate.render import OCTANTS, Render, RenderSettings
+from reference.pin_display import averages, level_of, stripes
+
+SIZES = [  # image, grid, bits
+    ((4, 6), (5, 20), 4),
+    ((16, 9), (7, 5), 3),
+    ((1, 8), (5, 3), 1),
+    ((3, 3), (3, 3), 6),
+    (None, (5, 20), 4),
+]
+REST = {"in_valid_i": 0, "in_data_i": 0, "in_last_i": 0, "cop_valid_i": 0, "cop_x_i": 0, "cop_y_i": 0}
+REST |= {"cop_pressed_i": 0, "slip_i": 0, "octant_i": 0}
+
+
+def parameters_of(shape, grid, bits):
+    rows, columns = shape or (1, 2)
+    given = {"Image": int(shape is not None), "Rows": rows, "Columns": columns}
+    return given | {"PinRows": grid[0], "PinColumns": grid[1], "AmplitudeBits": bits}
+
+
+def sizes(dut):
+    read = lambda name: getattr(dut, name).value.to_unsigned()
+    shape = (read("Rows"), read("Columns")) if read("Image") else None
+    return shape, (read("PinRows"), read("PinColumns")), read("AmplitudeBits")
+
+
+with_image = bench.applies(lambda dut: dut.Image.value.to_unsigned() == 1)
+
+
+async def image_in(dut, taxels, cut=None):
+    """An image; ``cut``: the number of taxels that come."""
+    taxels = np.ravel(taxels)[:cut]
+    for place, taxel in enumerate(taxels):
+        dut.in_valid_i.value, dut.in_data_i.value = 1, int(taxel)
+        dut.in_last_i.value = place == len(taxels) - 1
+        await bench.RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = dut.in_last_i.value = 0
+
+
+async def cop_in(dut, cop):
+    x, y = cop or (0, 0)
+    dut.cop_valid_i.value, dut.cop_pressed_i.value = 1, cop is not None
+    dut.cop_x_i.value, dut.cop_y_i.value = x & 0xFFFF, y & 0xFFFF
+    await bench.RisingEdge(dut.clk_i)
+    dut.cop_valid_i.value = 0
+
+
+async def frame_out(dut, grid, most=100_000):
+    """(levels [rows, columns], clocks until the last one)."""
+    got = []
+    for clock in range(most):
+        await bench.ReadOnly()
+        if bench.high(dut.out_valid_o):
+            got.append(bench.read(dut.out_data_o))
+            assert bench.high(dut.out_last_o) == (len(got) == grid[0] * grid[1])
+        await bench.RisingEdge(dut.clk_i)
+        if len(got) == grid[0] * grid[1]:
+            return np.reshape(got, grid), clock
+    return None, most
+
+
+def settings_in(dut, settings):
+    for name, value in settings.settings.items():
+        getattr(dut, f"cfg_{name}_i").value = value
+
+
+def by_the_page(image, shape, grid, bits, settings, cop):
+    highest = (1 << bits) - 1
+    levels = np.zeros(grid, dtype=int)
+    if shape is not None:
+        means = averages(image.tolist(), *grid)
+        levels = np.array(
+            [[level_of(m, settings.floor, settings.step, highest) for m in row] for row in means]
+        )
+    if settings.marker and cop is not None:
+        right, down = (16384 + cop[0]) / 32768, (16384 - cop[1]) / 32768
+        levels[min(int(down * grid[0]), grid[0] - 1), min(int(right * grid[1]), grid[1] - 1)] = highest
+    return levels
+
+
+def images(draw, shape):
+    kind = draw.randrange(5)
+    cells = [
+        draw.choice([(0, 0), (65535, 65535), (0, 65535), (900, 1100), (1000, 1000)][kind : kind + 1])
+        for _ in range(shape[0] * shape[1])
+    ]
+    return np.reshape([draw.randint(*ends) for ends in cells], shape)
+
+
+CORNERS = [(-16384, 16384), (16384, 16384), (-16384, -16384), (16384, -16384), (0, 0), (16383, -16383), None]
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def shows_images_and_markers(dut):
+    shape, grid, bits = sizes(dut)
+    draw = random.Random(bench.SEED)
+    await bench.start(dut, **REST, cfg_floor_i=0, cfg_step_i=0, cfg_marker_i=0, cfg_cue_i=0)
+    cases = [(0, 0), (1, 1), (1000, 0), (1000, 10), (65535, 0), (1, 65535)]
+    cases += [(draw.randint(0, 2000), draw.randint(0, 5000)) for _ in range(10)]
+    for n, (floor, step) in enumerate(cases):
+        settings = RenderSettings(floor, step, n % 2 if shape else 1)
+        settings_in(dut, settings)
+        cop = CORNERS[n % len(CORNERS)]
+        image = images(draw, shape) if shape else None
+        if shape:
+            await cop_in(dut, cop)
+            await image_in(dut, image)
+        else:
+            await cop_in(dut, cop)
+        got, clocks = await frame_out(dut, grid)
+        expected = by_the_page(image, shape, grid, bits, settings, cop)
+        assert got.tolist() == expected.tolist(), settings
+        assert got.tolist() == Render(shape, grid, bits, settings).next(image, cop=cop).tolist()
+        if shape:
+            pieces = (shape[0] + grid[0]) * (shape[1] + grid[1])
+            assert clocks <= pieces + grid[0] * grid[1] * (8 + (1 << bits)) + 8
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+@cocotb.parametrize(cue=[1, 3])
+async def shows_slip_by_stripes(dut, cue):
+    """They begin anew with each slip, and move a pin every ``cue`` frames."""
+    shape, grid, bits = sizes(dut)
+    settings = RenderSettings(65535, 0, 0, cue)
+    await bench.start(dut, **REST, **{f"cfg_{name}_i": v for name, v in settings.settings.items()})
+    twin = Render(shape, grid, bits, settings)
+    image = np.zeros(shape or (1, 2), dtype=int)
+    for octant in (*range(8), None, 3, None):
+        dut.slip_i.value, dut.octant_i.value = octant is not None, octant or 0
+        if octant in (2, 5):  # a pause between two slips
+            dut.slip_i.value, octant = 0, None
+        for n in range(9 if octant is None or octant < 2 else 2):
+            await (image_in(dut, image) if shape else cop_in(dut, None))
+            got, _ = await frame_out(dut, grid)
+            expected = twin.next(image, octant is not None, octant or 0)
+            assert got.tolist() == expected.tolist(), (octant, n)
+
+
+@with_image
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def keeps_to_whole_images(dut):
+    """A cut image shows nothing; of those that come while it works the newest is next."""
+    shape, grid, bits = sizes(dut)
+    await bench.start(dut, **REST, cfg_floor_i=1, cfg_step_i=0, cfg_marker_i=0, cfg_cue_i=0)
+    one = np.ones(shape, dtype=int)
+    await image_in(dut, one, cut=shape[0] * shape[1] - 1)
+    assert (await frame_out(dut, grid, 3000))[0] is None
+    got = cocotb.start_soon(frame_out(dut, grid))
+    await image_in(dut, one)
+    await image_in(dut, one * 0)
+    await image_in(dut, one)
+    top = (1 << bits) - 1
+    assert (await got)[0].tolist() == (one[:1, :1] * np.full(grid, top)).tolist()
+    assert (await frame_out(dut, grid))[0] is not None
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset(dut):
+    await bench.inputs_in_reset(dut, "out_valid_o", "busy_o")
+
+
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Image": 1, "Rows": 3, "Columns": 3, "PinRows": 3, "PinColumns": 3, "AmplitudeBits": 6}
+    },
+    "faults": {"none": "its frame of pins is shown until the next one: an upset lasts for a frame"},
+}
+
+SPACE = lambda draw: parameters_of(
+    (draw.randint(1, 12), draw.randint(2, 12)), (draw.randint(1, 9), draw.randint(2, 9)), draw.randint(1, 6)
+)
+
+
+@pytest.mark.parametrize("shape, grid, bits", SIZES)
+def test_render(shape, grid, bits):
+    bench.run("actuate", "render", parameters_of(shape, grid, bits))
+
+
+def test_refuses_illegal_parameters():
+    for wrong in ({"Rows": 1025}, {"PinRows": 129}, {"AmplitudeBits": 7}):
+        ((name, number),) = wrong.items()
+        assert f"{name} = {number}" in bench.refuses("render", wrong)
+    for wrong in ({"floor": 65536}, {"step": -1}, {"cue": 256}, {"marker": 2}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            RenderSettings(**wrong)
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (1, 3), (5, 20), (7, 2)])
+@pytest.mark.parametrize("grid", [(5, 20), (7, 5)])
+def test_averages_are_those_of_the_areas(shape, grid):
+    image = np.random.default_rng(bench.SEED).integers(0, 65536, shape)
+    means = [[mean * image.size for mean in row] for row in averages(image.tolist(), *grid)]
+    assert render.averages(image, *grid).tolist() == means
+    assert set(render.averages(np.full(shape, 65535), *grid).ravel()) == {65535 * image.size}
+
+
+def test_stripes_by_hand():
+    """To the right they move to the next column; upwards to the row above."""
+    twin = Render(None, (5, 20), 4, RenderSettings(cue=1))
+    columns = [np.flatnonzero(twin.next(slip=True, octant=0)[0]).tolist() for _ in range(2)]
+    assert columns == [[0, 4, 8, 12, 16], [1, 5, 9, 13, 17]]
+    twin.reset()
+    rows = [np.flatnonzero(twin.next(slip=True, octant=2)[:, 7]).tolist() for _ in range(2)]
+    assert rows == [[0, 4], [3]]
+    for octant in range(8):
+        twin.reset()
+        for phase in range(5):
+            found = np.argwhere(twin.next(slip=True, octant=octant)).tolist()
+            assert {tuple(pin) for pin in found} == stripes(octant, phase, 5, 20)
+    assert len(set(OCTANTS)) == 8
