@@ -1,19 +1,23 @@
 """The page in a real browser, Debian's Chromium where there is one: it draws, it updates, a threshold moved
 in it changes the flags of the simulated core, the source may die and come back, and so may the server."""
 
+import re
 import threading
 import time
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 from harness import browser as chromium
 from harness.web import TURN_S, Fed, of_pipe, resident_mb, shown, slipping
+from meissner.builds.toolchain import ROOT
 from meissner.builds.units import Units
 from meissner.host import Core, packets, web
 from meissner.host.line import open_line
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
+from meissner.host.web import server
 from meissner.host.web.server import serving
 
 pytestmark = pytest.mark.skipif(bool(chromium.missing), reason=chromium.missing)
@@ -119,6 +123,32 @@ def test_the_report_of_a_scene_is_linked(browser):
         thread.join()
 
 
+@dataclass(frozen=True)
+class Votes(packets.OfBoot):
+    """A packet of a feature to come, as docs/host.md shows it."""
+
+    time: int
+    score: float
+
+
+def test_a_panel_is_one_file(browser, monkeypatch):
+    """The page's example: its packet reaches it, and it is hidden until then."""
+    [text] = re.findall(r"```js\n(.*?)```", (ROOT / "docs/host.md").read_text("utf-8"), re.DOTALL)
+    files = server.page()
+    kind, index = files["/"]
+    index = index.replace(b"</body>", b'<script type="module" src="/panels/90_votes.js"></script></body>')
+    more = {"/": (kind, index), "/panels/90_votes.js": (server.TYPES[".js"], text.encode())}
+    monkeypatch.setattr(server, "page", lambda: files | more)
+    source = of_pipe(SimulatedCore())
+    with shown(source) as address:
+        page = browser.open(url(address))
+        page.until("meissner.hello")
+        assert not page.do(SHOWN % "votes")
+        source.hub.ask(lambda: [source.hub.add(10**18 + k * 10**7, Votes(k, k * 0.5)) for k in range(50)])
+        page.until(SHOWN % "votes")
+        page.until(f"{INK % 'votes'} > 0.005")
+
+
 def test_it_survives_a_source_that_dies(browser, tmp_path):
     port = tmp_path / "port"
     first = Pty(of_scenes("walk_25x5"))
@@ -145,12 +175,12 @@ def test_it_survives_a_restart_of_the_server(browser):
     port = 0
     for turn in range(2):
         source = of_pipe(of_scenes("walk_25x5"))
-        with serving(source.hub, source.write, port) as server:
+        with serving(source.hub, source.write, port) as served:
             thread = threading.Thread(target=web.play, args=(source,), daemon=True)
             thread.start()
-            port = server.server_address[1]
+            port = served.server_address[1]
             if not turn:
-                page = browser.open(server.url)
+                page = browser.open(served.url)
             page.until(f"meissner.hello?.session === '{source.hub.session}' && meissner.cop.length > 3")
             source.stop()
             thread.join()

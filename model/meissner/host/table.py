@@ -69,6 +69,11 @@ class Table:
         }
         self._images: list[NDArray[np.uint16]] = []
 
+    @staticmethod
+    def takes(item: object) -> bool:
+        """Whether a log has columns for such a packet."""
+        return type(item) in _KINDS
+
     def add(self, stamp_ns: int, item: packets.Item | packets.Reset) -> None:
         kind = _KINDS[type(item)]
         if isinstance(item, packets.Image):

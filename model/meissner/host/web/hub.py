@@ -29,7 +29,6 @@ from meissner.arrays import Arrays
 from meissner.builds.units import Units
 from meissner.host import packets
 from meissner.host.log import McapLog
-from meissner.host.simulated import Trace
 from meissner.host.table import Facts, Table, items, joined
 from meissner.host.unfinished_log import UnfinishedLog
 
@@ -154,7 +153,7 @@ class Hub:
                 self._close_rows()
                 self._rows_of = kind, ["t", *head]
             self._rows.append([t, *(np.nan if value is None else float(value) for value in values)])
-        if not isinstance(item, Trace):
+        if Table.takes(item):
             self._keep(stamp_ns, item)
 
     def tell(self, facts: Facts) -> None:
