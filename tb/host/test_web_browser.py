@@ -229,9 +229,22 @@ def test_an_array_with_faults_and_a_grip(browser, width, scheme):
             hub.add(begin + 2 * 10**6, packets.Health(0, None, 9, 5))
             hub.add(begin + 3 * 10**6, packets.StateChange(0, None, 7, 1, 9, None, None))
             hub.add(begin + 4 * 10**6, packets.SlipEvent(0, None, 7, 2, 70, None))
+            hub.add(begin + 5 * 10**6, packets.ClassChange(0, None, 3, 1, 131_070))
+            hub.event("Pins", levels=np.arange(6, dtype=np.uint8).reshape(2, 3), most=5)
 
         source.hub.ask(more)
-        for panel in ("touch", "signal", "states", "load", "settings", "grip", "events", "link"):
+        for panel in (
+            "touch",
+            "signal",
+            "states",
+            "load",
+            "forest",
+            "settings",
+            "grip",
+            "pins",
+            "events",
+            "link",
+        ):
             page.until(SHOWN % panel)
         page.until(f"{INK % 'touch'} > 0.3")
         # Row 0 is at the top, y points up: of ±5 and ±3 mm between the outer cells' centres, 2.5 and 1.5.
@@ -246,6 +259,8 @@ def test_an_array_with_faults_and_a_grip(browser, width, scheme):
         page.until("document.querySelector('#touch small').textContent === '2.50, 1.50 mm, load 0.9 N'")
         assert "9 dead, blinking" in page.do("document.querySelector('#touch .note').textContent")
         page.until("document.querySelector('#grip small').textContent === '1234 counts'")
+        page.until("document.querySelector('#forest small').textContent === 'class 3'")
+        assert page.do(INK % "pins") > 0.4
         words = "a finger is silent, a finger is unhealthy; 0 tightenings"
         assert page.do("document.querySelector('#grip .note').textContent") == words
         assert page.do(WIDE), page.do("document.documentElement.scrollWidth")
