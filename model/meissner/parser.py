@@ -289,7 +289,7 @@ def _host(commands):
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
-    _out(replay, "OUT.npz", "output file, .npz or .csv; required without --web")
+    _out(replay, "OUT.npz", "output file, .npz or .csv; or .mcap: an unfinished log, finished")
     _web(replay, "play the log")
     replay.set_defaults(call="meissner.host.commands:replay")
 
