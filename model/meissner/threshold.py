@@ -92,7 +92,7 @@ class Law:
         return self._profile(threshold, chance) > chi2.ppf(CONFIDENCE, 1)
 
     def interval(self, threshold, within=0.001):
-        """(lowest, highest) alarms an hour above ``threshold`` that the recording is compatible with; each end
+        """(lowest, highest) alarms an hour above ``threshold`` that fit the recording; each end
         at most a share ``within`` too far out."""
         from scipy.stats import chi2
 
