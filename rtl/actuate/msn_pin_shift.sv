@@ -86,7 +86,7 @@ module msn_pin_shift #(
   assign busy_o     = loading || word_run;
   assign gather     = loading && !busy_i && !gathered[3];
   assign word_start = full && (!word_run || word_done);
-  assign latch      = timing && lead == '0;
+  assign latch      = timing && lead == '0 && loaded;
 
   always_ff @(posedge clk_i) begin
     if (in_valid_i) begin
@@ -123,7 +123,7 @@ module msn_pin_shift #(
       timing     <= 1'b1;
       lead       <= LeadBits'(Lead - 2);
       begins     <= begin_i;
-    end else if (latch) begin
+    end else if (lead == '0) begin
       timing <= 1'b0;
     end
 
@@ -183,9 +183,6 @@ module msn_pin_shift #(
 
   msn_check u_polarity (
     .clk_i, .rst_i, .wrong_i(!hv_bl_o && !hv_pol_o)
-  );
-  msn_check u_latched_when_loaded (
-    .clk_i, .rst_i, .wrong_i(latch && running_i && !loaded)
   );
 
 endmodule

@@ -13,6 +13,7 @@ from meissner.twins.actuate.display import Display, DisplayConfig, words
 from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize
 from meissner.twins.actuate.render import RenderSettings
 from parts.hv507 import Hv507
+from reference.pin_display import stripes
 
 SHAPE, GRID = (3, 4), (2, 5)
 SIZE = DisplaySize(pins=10, amplitude_bits=2, clk_khz=4000)
@@ -62,6 +63,32 @@ class Bench:
         return np.reshape(self.driver.outputs[: GRID[0] * GRID[1]], GRID)
 
 
+felt = bench.applies(lambda dut: dut.Image.value.to_unsigned() == 1)
+
+
+@bench.applies(lambda dut: dut.Image.value.to_unsigned() == 0)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def stripes_move_where_a_slip_began_to_go(dut):
+    """The octant in the sample that raises the slip; a frame for each centre of pressure."""
+    here = await Bench().start(dut, render=RenderSettings(1, 0, 0, 1), octant=6)
+    await bench.clocks(dut, 10)
+    dut.raised_i.value, dut.octant_i.value, dut.slip_i.value = 1, 3, 1
+    await bench.clocks(dut, 1)
+    dut.raised_i.value, dut.octant_i.value = 0, 5
+    for phase in range(3):
+        dut.cop_valid_i.value = 1
+        await bench.clocks(dut, 1)
+        dut.cop_valid_i.value = 0
+        await bench.RisingEdge(dut.hv_le_o)
+        await bench.clocks(dut, PERIOD * (2 if phase == 0 else 1))
+        seen = np.zeros(GRID, dtype=int)
+        for _ in range(PERIOD // 50):
+            await bench.clocks(dut, 50)
+            seen |= here.on
+        assert {tuple(pin) for pin in np.argwhere(seen).tolist()} == stripes(3, phase, *GRID)
+
+
+@felt
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def what_the_sensor_feels_is_on_the_pins_in_time(dut):
     """At most the clocks of the budget after the last taxel: computing, a drive period, the load."""
@@ -82,6 +109,7 @@ async def what_the_sensor_feels_is_on_the_pins_in_time(dut):
     assert 0 < clock <= most and here.on.tolist() == (levels > 0).tolist()
 
 
+@felt
 @cocotb.test(timeout_time=9, timeout_unit="ms")
 async def a_hosts_words_are_a_frame(dut):
     """A cut frame is dropped; the sensor's frames do not count, nor its faults."""
@@ -106,6 +134,7 @@ async def a_hosts_words_are_a_frame(dut):
     assert (status["state_running"], status["state_fault"], status["state_pins"]) == (1, 0, 5)
 
 
+@felt
 @cocotb.test(timeout_time=9, timeout_unit="ms")
 async def a_fault_of_the_sensor_switches_off(dut):
     """A lost conversion once, then a silent period; a taxel that health reports as long as it is reported."""
@@ -134,9 +163,10 @@ EVIDENCE = {
 }
 
 
-def test_display():
+@pytest.mark.parametrize("sensor", [{}, {"Image": 0, "Directed": 1}], ids=("array", "electrodes"))
+def test_display(sensor):
     size = {"Rows": SHAPE[0], "Columns": SHAPE[1], "PinRows": GRID[0], "PinColumns": GRID[1]}
-    bench.run("actuate", "display", size | {"AmplitudeBits": 2, "ClkKhz": 4000})
+    bench.run("actuate", "display", size | {"AmplitudeBits": 2, "ClkKhz": 4000} | sensor)
 
 
 def test_refuses_illegal_parameters():

@@ -140,7 +140,7 @@ async def rests_in_reset(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"size": SIZES[0]},
+    "equivalence": {"size": {"Pins": 5, "AmplitudeBits": 2}},
     "faults": {"none": "no frames: an upset of a pin's ticks lasts for the window of the duty"},
 }
 

@@ -172,7 +172,9 @@ async def rests_in_reset(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"size": parameters_of((3, 4), (2, 3), 1)},
+    "equivalence": {
+        "size": {"Image": 1, "Rows": 3, "Columns": 3, "PinRows": 3, "PinColumns": 3, "AmplitudeBits": 6}
+    },
     "faults": {"none": "its frame of pins is shown until the next one: an upset lasts for a frame"},
 }
 

@@ -33,6 +33,8 @@ from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh
 from meissner.twins import core
+from meissner.twins.actuate.display import words as words_of
+from meissner.twins.actuate.render import Render, RenderSettings
 from meissner.twins.cop.cop_slip import CopSlipRegisters
 from meissner.twins.forest.classify import Classify
 from meissner.twins.frontend.health import Limits
@@ -42,6 +44,7 @@ from meissner.twins.link.decoder import Decoder
 from meissner.twins.link.registers import RESET_BITS, reset_word
 from meissner.twins.sensor.sensors import from_reset
 from meissner.twins.slip.config import SlipConfig
+from parts.hv507 import Hv507
 
 GAIN = 5000
 SLIP = SlipConfig(
@@ -444,6 +447,53 @@ async def an_image_is_of_one_frame(dut):
     assert len(got) == len(due)
 
 
+@bench.applies(lambda dut: number(dut, "Display"))
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def what_it_feels_and_a_hosts_frame_are_on_pins(dut):
+    """By the model, at the drivers' outputs; the limits can be read only, a damaged taxel is a fault."""
+    axi = await begin(dut)
+    slow = lambda violation: None if str(violation)[:2] == "t_" else Hv507.fail(None, violation)
+    driver = Hv507(
+        *(getattr(dut, f"hv_{pin}_o") for pin in ("data", "clk", "le", "bl", "pol")), 1, report=slow
+    )
+    size, grid, period = Size(dut), (2, 5), 10_000  # 400 Hz at 4 MHz
+
+    async def shown():
+        seen = np.zeros(10, dtype=int)
+        for _ in range(2 * period // 100):
+            await bench.clocks(dut, 100)
+            seen |= driver.outputs[:10]
+        assert not any(driver.outputs[10:])
+        return seen.reshape(grid).tolist()
+
+    for name, value in {"increment": 1 << 31, "octant": 2, "enable": 1}.items():
+        assert await axi.write(pins.ADDRESS[f"display.{name}"], value) == AxiResp.OKAY
+    for name in ("most", "duty", "watchdog", "stop", "size", "state"):
+        assert await axi.write(pins.ADDRESS[f"display.{name}"], 1) == AxiResp.SLVERR
+    assert (await axi.read(pins.ADDRESS["display.size"]))[0] == 2 << 16 | 5 << 8 | 2
+    image = np.arange(size.rows * size.columns).reshape(size.rows, size.columns) % 7 * 40
+    for _ in range(2):
+        await axi.send(size.beats_of(image))
+        [forces] = images(await axi.packets())
+        floor = int(np.mean(forces))
+        assert await axi.write(pins.ADDRESS["display.floor"], floor) == AxiResp.OKAY
+    twin = Render(image.shape, grid, 2, RenderSettings(floor))
+    levels = twin.next(np.reshape(forces, image.shape))
+    assert 0 < (levels > 0).sum() < 10
+    await bench.clocks(dut, 2 * period)
+    assert await shown() == (levels > 0).tolist()
+    state, _ = await axi.read(pins.ADDRESS["display.state"])
+    assert state == 1 | int((levels > 0).sum()) << 8
+    assert await axi.write(pins.ADDRESS["display.source"], 1) == AxiResp.OKAY
+    frame = np.array([[0, 255, 0, 1, 0], [2, 0, 0, 0, 3]])
+    for word in words_of(frame):
+        assert await axi.write(pins.ADDRESS["display.levels"], word) == AxiResp.OKAY
+    await bench.clocks(dut, period)
+    assert await shown() == (frame > 0).tolist()
+    assert await axi.write(pins.ADDRESS["display.enable"], 0) == AxiResp.OKAY
+    assert not bench.high(dut.hv_bl_o) and bench.high(dut.hv_pol_o) and not any(driver.outputs)
+
+
 @bench.applies(lambda dut: number(dut, "Forest"))
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_forest_decides_and_the_hand_closes(dut):
@@ -520,13 +570,14 @@ SETTINGS = {
     **{f"cop_slip.{key}": value for key, value in vars(COP_SLIP).items()},
 }
 PATH = {"Level": SLIP.level, "Window": SLIP.window, "Hop": SLIP.hop}
+PINS = {"Display": 1, "PinRows": 2, "PinColumns": 5, "AmplitudeBits": 2, "ClkKhz": 4000}
 BUILDS = {
     "array": {"Rows": 4, "Columns": 6, "Lanes": 2, "Health": 1, "Tare": 1, "Chunk": 16} | PATH,
     "array-3": {"Rows": 3, "Columns": 7, "Lanes": 3, "Health": 1, "Tare": 1, "Chunk": 16} | PATH,
     "array-lane": {"Rows": 3, "Columns": 3, "Lanes": 1, "Tare": 1, "Forest": 1, "ForestEngines": 2, "Grip": 1}
     | {f"Forest{name.capitalize()}": value for name, value in FOREST.items()}
     | PATH,
-    "array-plain": {"Rows": 3, "Columns": 8, "Lanes": 8, "RowColumn": 1, "GainShift": 24} | PATH,
+    "array-plain": {"Rows": 3, "Columns": 8, "Lanes": 8, "RowColumn": 1, "GainShift": 24} | PATH | PINS,
     "channels": {"Array": 0, "Image": 0, "Channels": 3, "Grip": 1, "ShearSpeed": 1} | PATH,
     "electrodes": {"Array": 0, "Image": 0, "Slip": 0, "Channels": 4, "Cop4": 1, "CopSlip": 1, "Lag": LAG},
 }

@@ -10,6 +10,7 @@ import signal
 import termios
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -360,6 +361,45 @@ def test_heat_map():
     shown = view.heat_map(large)
     assert (len(shown), len(shown[0])) == (view.HIGHEST, 2 * view.WIDEST)
     assert shown[-1][-2:] == "██" and "".join(shown).strip() == "██"
+
+
+def test_view_of_pins():
+    """A display's state, and the pins of an image: 2 x 3 taxels on 2 x 3 pins, a level for each 100 above
+    50. A frame of a host in words of three levels."""
+    from rich.console import Console
+
+    state = {"size.rows": 2, "size.columns": 3, "size.bits": 2, "source": 0, "floor": 50, "step": 100}
+    state["state"] = 1 | 1 << 2 | 5 << 8  # running, limited, five pins
+
+    class Core(SimpleNamespace):
+        def __getitem__(self, name):
+            return state[name.removeprefix("display.")]
+
+        def __setitem__(self, name, value):
+            written.append((name, value))
+
+    written = []
+    counts = SimpleNamespace(restarts=0, packets=0, lost=0, damaged=0, images_lost=0, gaps=0, gap_s=0.0)
+    core = Core(counts=counts, registers=True, features=["display"], line=None, ended=False)
+    shown = view.View(core)
+    assert "; 5 pins on, limited; " in shown.line()
+    taxels = np.array([[49, 50, 149], [150, 250, 9999]], np.uint16)  # levels 0 1 1, 2 3 3
+    shown.add(packets.Image(5, None, 1, taxels, None))
+    assert shown.pins.picture(shown.image) == ["  ░░░░", "▓▓████"]
+    console = Console(width=100, record=True, file=open(os.devnull, "w"))  # noqa: SIM115
+    console.print(shown.picture())
+    assert "display, 5 pins on, limited" in console.export_text()
+    state |= {"state": 2, "source": 1}
+    shown.tick(1e9)
+    host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
+    assert written == [("display.levels", 0xFF0201), ("display.levels", 0x1_050400)]
+    for wrong, what in (
+        ([[1, 2], [3, 4]], "fit the display: it has 2 x 3"),
+        ([[0, 0, 256]] * 2, "level = 256"),
+    ):
+        with pytest.raises(ValueError, match=what):
+            host.Core.show(core, wrong)
+    assert "; off, a fault of the sensor; " in shown.line() and shown.pins.picture(shown.image) == []
 
 
 def test_view_of_everything():

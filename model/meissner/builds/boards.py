@@ -177,6 +177,7 @@ def _too_few(there: int) -> dict[str, str]:
 
 
 COP4_ICE = "even without registers it needs 10 multipliers, and a UP5K has 8"
+UNMEASURED = "not measured; the board has the pins for it"
 GRIP_ICE = "the reflex reports faults in registers, which its builds do not have"
 
 BOARDS = {
@@ -196,7 +197,11 @@ BOARDS = {
             area=ICE40_AREA,
             rams={"": 30},
             # With registers the fingertip needs 7,456 logic cells; a UP5K has 5,280.
-            configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
+            configs={
+                "slip1": {},
+                "fingertip": {"mhz": 24.0, "registers": False},
+                "display": {"mhz": 24.0, "registers": False},
+            },
             left_out={"cop4": COP4_ICE, "grip": GRIP_ICE} | _too_few(24),
         ),
         Board(
@@ -219,6 +224,7 @@ BOARDS = {
                 "fingertip": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
                 "cop4": {"mhz": 50.0, "device": "25F"},
                 "grip": {"mhz": 50.0, "device": "25F"},
+                "display": {"mhz": 50.0, "device": "25F"},
                 "array64": {"mhz": 100.0, "device": "25F"},
                 "full": {"mhz": 100.0, "device": "45F"},
             },
@@ -235,7 +241,7 @@ BOARDS = {
             area=ECP5_AREA,
             rams={"": 56},
             configs={name: {"mhz": 48.0} for name in ("slip1", "fingertip", "cop4", "grip")},
-            left_out=_too_few(18),
+            left_out={"display": UNMEASURED} | _too_few(18),
         ),
         Board(
             name="tangnano20k",
@@ -250,7 +256,7 @@ BOARDS = {
             area=GOWIN_AREA,
             rams={"": 46},
             configs={name: {"mhz": 27.0} for name in ("slip1", "fingertip", "grip")},
-            left_out={"cop4": "not measured; the board has the pins for it"} | _too_few(16),
+            left_out={"cop4": UNMEASURED, "display": UNMEASURED} | _too_few(16),
         ),
     )
 }

@@ -2,13 +2,16 @@
 
 import time
 from collections import deque
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meissner.host import packets
-from meissner.host.core import Core
+from meissner.host.core import Core, NoAnswer
+from meissner.host.names import place
+from meissner.twins.actuate.render import Render, RenderSettings
 from meissner.twins.core import OF_LOAD
 from meissner.twins.slip.slip import State
 
@@ -47,6 +50,35 @@ def heat_map(taxels: NDArray[np.uint16]) -> list[str]:
     return ["".join(2 * SHADES[k] for k in row) for row in shade]
 
 
+class Pins:
+    """A core's tactile display, by its registers; ``told``: its state in words."""
+
+    def __init__(self, core: Core) -> None:
+        self.core, self.told = core, ""
+        self.grid = core["display.size.rows"], core["display.size.columns"]
+        self.bits = core["display.size.bits"]
+        self.read()
+
+    def read(self) -> None:
+        """Ask for its state, and for what makes frames of images."""
+        core = self.core
+        state, names = core["display.state"], ("running", "fault", "limited", "pins")
+        running, fault, limited, pins = (place(f"display.state.{name}").value(state) for name in names)
+        self.host = bool(core["display.source"])
+        self.render = Render(
+            None, self.grid, self.bits, RenderSettings(core["display.floor"], core["display.step"])
+        )
+        self.told = f"{pins} pins on" if running else "off"
+        self.told += ", a fault of the sensor" * fault + ", limited" * limited
+
+    def picture(self, image: packets.Image | None) -> list[str]:
+        """The pins for an image of the core, as it makes them; of a host's frames and slips it has none."""
+        if image is None or self.host:
+            return []
+        self.render.shape = image.taxels.shape
+        return heat_map(self.render.next(image.taxels))
+
+
 class View:
     """``add`` takes packets; ``line`` and ``picture`` show the newest."""
 
@@ -57,6 +89,7 @@ class View:
         self.messages: deque[str] = deque(maxlen=4)
         self._from = (self._simulated_s or 0.0, time.monotonic())
         self._rate = (0.0, 0, 0.0)  # time of the last tick, packets then, packets per second
+        self.pins = Pins(core) if core.registers and "display" in core.features else None
 
     def _forget(self, boot: int) -> None:
         """Nothing is known of this boot of the core yet."""
@@ -101,6 +134,9 @@ class View:
         if rate and now_s - when < SHORT_S:
             return
         self._rate = (now_s, count, (count - before) / (now_s - when) if now_s > when else 0.0)
+        if self.pins and not self.core.ended:
+            with suppress(NoAnswer):  # the line is interrupted: the last state stays
+                self.pins.read()
 
     def _at(self, item: packets.Stamped) -> str:
         return f"{item.time} clocks: " if item.time_s is None else f"{item.time_s:.4f} s: "
@@ -152,7 +188,8 @@ class View:
 
     def line(self) -> str:
         """A summary in one line."""
-        return f"{self._cop()}; {self._slips()}; {self._line()}"
+        pins = f"{self.pins.told}; " if self.pins else ""
+        return f"{self._cop()}; {self._slips()}; {pins}{self._line()}"
 
     def _slips(self) -> str:
         """How often it slipped, and how many channels are in contact and slip now."""
@@ -185,6 +222,9 @@ class View:
             shown = "\n".join(heat_map(self.image.taxels))
             title = f"image {self.image.number}, {rows}×{columns}, largest {self.image.taxels.max()}"
             parts.append(Panel(Text(shown), title=title))
+        if self.pins:
+            shown = "\n".join(self.pins.picture(self.image))
+            parts.append(Panel(Text(shown), title=f"display, {self.pins.told}"))
         faulty = {taxel: faults for taxel, faults in self.health.items() if faults}
         if faulty:
             parts.append(

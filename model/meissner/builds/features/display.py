@@ -30,7 +30,7 @@ class Keys(Table, frozen=True):
     top: Annotated[int, Meta(ge=0, le=63)] = 63
     most_pins: Annotated[int, Meta(ge=0, le=4095)] | None = None
     duty: Share = 0.5
-    left_on_s: Annotated[float, Meta(ge=1.25, le=18.75)] = 5.0
+    left_on_s: Annotated[float, Meta(ge=1.43, le=21.4)] = 5.0
     stop_s: Annotated[float, Meta(gt=0, le=16)] = 0.5
     source: str = "sensor"
     floor_n: Positive | None = None
@@ -109,7 +109,7 @@ def config(keys: Keys, base: "Config") -> DisplayConfig:
         top=min(keys.top, (1 << keys.amplitude_bits) - 1),
         most=pins if keys.most_pins is None else keys.most_pins,
         duty=65535 if keys.duty == 1 else int(exact(keys.duty) * 40_000),
-        watchdog=int(exact(keys.left_on_s) * 4 / 5),
+        watchdog=int(exact(keys.left_on_s) * 7 / 10),
         stop=max(1, round(exact(keys.stop_s) * 4000)),
     )
     floor = _codes(keys, "floor", base, 1 if base.array else 0)
