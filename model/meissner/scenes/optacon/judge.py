@@ -1,4 +1,4 @@
-"""Judging pins under a finger: each kind's summary, arrays and rows. ``KINDS``: the functions of all but touch.
+"""Judging pins under a finger: each kind's summary, arrays and rows. ``KINDS``: functions of all but touch.
 
 ``conclusions`` are the paper's four, of displacements by voltage and frequency:
 
