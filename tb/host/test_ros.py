@@ -20,7 +20,7 @@ from harness import rclpy_stand_in as stand_in
 from meissner import cli, host
 from meissner.builds import units
 from meissner.builds.toolchain import ROOT
-from meissner.host import foxglove_bridge, line, log, packets, ros, stamps, stream
+from meissner.host import foxglove_bridge, line, log, mcap_file, packets, ros, stamps, stream
 from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import packet as p
 
@@ -264,11 +264,11 @@ def test_rosbags_opens_and_converts_a_log_without_loss(tmp_path, store):
 
 
 def test_a_log_that_is_cut_still_opens(tmp_path):
-    """At every length: what is complete is read, and an image comes with its number or not at all."""
+    """At many lengths: what is complete is read, and an image comes with its number or not at all."""
     with mock.patch.object(log, "FLUSH_S", -1.0):
         recorded(tmp_path / "a.mcap")
     whole, most = (tmp_path / "a.mcap").read_bytes(), 0
-    for end in range(len(whole) // 3, len(whole), 11):
+    for end in range(len(whole) // 3, len(whole), 97):
         (tmp_path / "cut.mcap").write_bytes(whole[:end])
         try:
             found = log.read(tmp_path / "cut.mcap")
@@ -301,6 +301,8 @@ def test_an_unfinished_log_is_finished_for_other_tools(tmp_path, store, monkeypa
         cli.main(["replay", name, "--out", f"whole_{name}"])
         topics, found = through_rosbags(Path(f"whole_{name}"), store)
         assert topics == set(ros.TOPICS)
+        with open(f"whole_{name}", "rb") as file:
+            assert len(make_reader(file).get_summary().channels) == len(ros.TOPICS)
         counts.append(sum(map(len, found.values())))
         assert capsys.readouterr().out == f"{counts[-1]} messages of {name}; whole_{name}\n"
         again, first = log.read(f"whole_{name}"), log.read(name)
@@ -402,6 +404,8 @@ def test_a_log_from_before_the_typed_messages_is_read(tmp_path):
     }
     assert {name: found[name].tolist() for name in wanted} == wanted
     assert np.array_equal(found["image"][0], TAXELS) and int(found["min_load"]) == 4
+    [first] = [one for _, one in mcap_file.read(tmp_path / "old.mcap")[1] if hasattr(one, "votes")]
+    assert first.before is None
 
 
 def test_live_stamps_by_hand():

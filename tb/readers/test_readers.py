@@ -501,7 +501,7 @@ def test_bags(tmp_path, version):
 def test_what_an_extra_installs_is_named(tmp_path, monkeypatch):
     (tmp_path / "a.tdms").write_bytes(b"TDSm")
     monkeypatch.setitem(sys.modules, "nptdms", None)
-    with pytest.raises(ValueError, match=r"pip install 'meissner\[formats\]'"):
+    with pytest.raises(ValueError, match=r"meissner-touch\[formats\]"):
         readers.read(tmp_path / "a.tdms")
 
 

@@ -3,7 +3,7 @@
 import time
 from collections import deque
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,12 +71,16 @@ class Pins:
         self.told = f"{pins} pins on" if running else "off"
         self.told += ", a fault of the sensor" * fault + ", limited" * limited
 
-    def picture(self, image: packets.Image | None) -> list[str]:
+    def levels(self, image: packets.Image | None) -> NDArray[Any] | None:
         """The pins for an image of the core, as it makes them; of a host's frames and slips it has none."""
         if image is None or self.host:
-            return []
+            return None
         self.render.shape = image.taxels.shape
-        return heat_map(self.render.next(image.taxels))
+        return np.asarray(self.render.next(image.taxels))
+
+    def picture(self, image: packets.Image | None) -> list[str]:
+        levels = self.levels(image)
+        return [] if levels is None else heat_map(levels)
 
 
 class View:
