@@ -158,7 +158,8 @@ module msn_axis #(
     .ForestLeaves(ForestLeaves), .ForestEngines(ForestEngines), .ForestBanks(ForestBanks),
     .ForestLanes(ForestLanes), .Statistics(Statistics), .Uart(1'b0),
     .Display(Display), .PinRows(PinRows), .PinColumns(PinColumns), .PinChains(PinChains),
-    .AmplitudeBits(AmplitudeBits), .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2),
+    .AmplitudeBits(AmplitudeBits), .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift),
+    .TareLog2(TareLog2),
     .Lag(Lag), .SlipDepth(SlipDepth), .StatisticBits(StatisticBits), .Chunk(Chunk), .Resets(Resets)
   ) u_core (
     .clk_i, .rst_i,

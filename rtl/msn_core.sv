@@ -227,8 +227,8 @@ module msn_core #(
     msn_sensor_array #(
       .Adc(Adc), .Converters(Converters), .AdcLanes(AdcLanes), .AdcChannels(AdcChannels), .ClkKhz(ClkKhz),
       .SclkKhz(SclkKhz), .ReadDuring(ReadDuring), .Rows(Rows), .Columns(Columns), .Demod(Demod),
-      .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Tap(Slip || Image || Display || (Forest && ForestFrames)),
-      .GainShift(GainShift), .TareLog2(TareLog2),
+      .Health(Health), .Tare(Tare), .RowColumn(RowColumn),
+      .Tap(Slip || Image || Display || (Forest && ForestFrames)), .GainShift(GainShift), .TareLog2(TareLog2),
       .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Form(Form),
       .SamplesPerPeriod(SamplesPerPeriod), .SamplePeriod(SamplePeriod), .Periods(Periods), .Skip(Skip),
       .Shift(Shift)
@@ -371,6 +371,6 @@ module msn_core #(
 
   // Signals that some builds do not use.
   logic unused;
-  assign unused = ^{cfg, sample, stream, in_data_i, slip_busy, health_ready, cop_slip_ready};
+  assign unused = ^{cfg, sample, stream, in_data_i, frame_busy, health_ready, cop_slip_ready};
 
 endmodule

@@ -40,8 +40,10 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'meissner' has no attribute {name!r}")
     from importlib.metadata import PackageNotFoundError, version
 
+    from meissner.names import DISTRIBUTION
+
     try:
-        return version("meissner")
+        return version(DISTRIBUTION)
     except PackageNotFoundError:  # a source tree that is not installed
         return "0+source"
 

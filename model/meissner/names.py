@@ -4,4 +4,4 @@ NAMES = ("float", "fixed", "rtl")
 VERILATED = ("rtl", "gate")  # compared with fixed whenever they run; gate is rtl after synthesis
 EVERY = (*NAMES, "gate")
 PICTURE = "budget_cop4.png"  # of `meissner budget --cop4`
-DISTRIBUTION = "meissner"  # the name under which pip installs the package
+DISTRIBUTION = "meissner-touch"  # the name under which pip installs the package

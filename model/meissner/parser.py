@@ -3,7 +3,7 @@ NumPy or SciPy; ``call`` names the function that does the work, "module:function
 
 import argparse
 
-from meissner.names import DISTRIBUTION, EVERY, NAMES, PICTURE
+from meissner.names import EVERY, NAMES, PICTURE
 from meissner.terminal import plain
 
 PORT = "serial:/dev/ttyUSB0, pty:/dev/pts/7, file:capture.bin, sim:SCENE, core:CONFIG (docs/host.md)"
@@ -19,9 +19,9 @@ class _Version(argparse.Action):
         super().__init__(*names, nargs=0, **more)
 
     def __call__(self, parser, *_):
-        from importlib.metadata import version
+        from meissner import __version__
 
-        print(f"meissner {version(DISTRIBUTION)}")
+        print(f"meissner {__version__}")
         parser.exit()
 
 
@@ -289,7 +289,7 @@ def _host(commands):
     replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="minimum sum of forces for a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
-    _out(replay, "OUT.npz", "output file, .npz or .csv; required without --web")
+    _out(replay, "OUT.npz", "output file, .npz or .csv; or .mcap: an unfinished log, finished")
     _web(replay, "play the log")
     replay.set_defaults(call="meissner.host.commands:replay")
 

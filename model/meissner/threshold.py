@@ -91,8 +91,9 @@ class Law:
             return chance >= 1
         return self._profile(threshold, chance) > chi2.ppf(CONFIDENCE, 1)
 
-    def interval(self, threshold):
-        """(lowest, highest) alarms an hour above ``threshold`` that the recording is compatible with."""
+    def interval(self, threshold, within=0.001):
+        """(lowest, highest) alarms an hour above ``threshold`` that fit the recording; each end
+        at most a share ``within`` too far out."""
         from scipy.stats import chi2
 
         limit, rate = chi2.ppf(CONFIDENCE, 1), self.rate(threshold)
@@ -101,7 +102,7 @@ class Law:
         for outside in (1e-12, 1 - 1e-9):
             inner, outer = np.log([best, outside])
             if self._profile(threshold, outside) > limit:
-                while abs(outer - inner) > 0.005:  # of a rate: 0.5 %, rounded outwards
+                while abs(outer - inner) > within:
                     middle = (inner + outer) / 2
                     far = self._profile(threshold, np.exp(middle)) > limit
                     inner, outer = (inner, middle) if far else (middle, outer)
@@ -136,6 +137,10 @@ def fit(largest, window_s):
     from scipy.optimize import minimize
     from scipy.stats import mannwhitneyu, rankdata
 
+    if not largest.any():
+        raise ValueError(
+            "the recording never moves: p2p is 0 codes in every window; is the sensor connected?"
+        )
     size = max(LEAST_WINDOWS, len(largest) // MOST_BLOCKS)
     while True:
         count = len(largest) // size
@@ -169,6 +174,12 @@ def fit(largest, window_s):
     found = [minimize(cost, start, method="Nelder-Mead", options=options) for start in starts]
     best = min(found, key=lambda one: one.fun)
     law = Law(values, counts, size * window_s, len(largest), best.x, -best.fun)
+    rare = law.rate(values[-1] - 1) * law.seconds / 3600  # how often it was to be expected
+    if rare < UNLIKELY:
+        raise ValueError(
+            f"the recording is no quiet hold: p2p at {np.argmax(largest) * window_s:.3f} s is {values[-1]} "
+            f"codes, which its other noise would reach once in {law.seconds / 3600 / rare:.2g} hours"
+        )
     _check_fit(law)
     return law
 
@@ -268,10 +279,10 @@ def command(arguments):
     threshold = smallest(law, arguments.per_hour, full)
     low, high = law.interval(threshold)
     keep = keep_of(p2p, threshold)
-    gross, why = 2 * threshold, "twice the threshold: no slips were given"
+    gross, why = min(2 * threshold, full), "twice the threshold: no slips were given"
     if slips is not None:
         over = slips[slips > threshold]
-        gross = int(np.median(over)) if len(over) else 2 * threshold
+        gross = int(np.median(over)) if len(over) else gross
         why = (
             "half of the slips' windows over the threshold exceed it" if len(over) else "twice the threshold"
         )
@@ -291,8 +302,10 @@ def command(arguments):
     names = {"threshold": (threshold, f"at most {arguments.per_hour:g} false alarms an hour")}
     names["gross_threshold"] = gross, why
     names["keep_threshold"] = keep, f"{100 * np.mean(p2p > keep):.2g} % of the quiet windows exceed it"
-    lines += ["", *_toml(names, arguments, build, config.level)]
-    draw(arguments.out, law, threshold, arguments.per_hour, p2p, slips)
+    unit, lsb = _unit(arguments, build)
+    lines += ["", *_toml(names, unit, lsb, config.level)]
+    scale = f"{lsb / 2 ** (config.level / 2):.4g} {unit.upper()} a code" if unit else ""
+    draw(arguments.out, law, threshold, arguments.per_hour, slips, scale)
     print(*lines, f"# picture: {plain(arguments.out)}", sep="\n")
 
 
@@ -311,14 +324,16 @@ def _of_slips(slips, threshold, config, rate_hz):
     )
 
 
-def _toml(names, arguments, build, level):
-    """The lines of [slip], in the build's unit, in volts, or in codes as registers."""
-    unit, lsb = "", None
+def _unit(arguments, build):
+    """(v or n, how many of them a code of a sample is); "" if it is not known."""
     if build is not None:
-        unit, lsb = ("n", build.units.newtons_per_code) if build.array else ("v", build.units.volts_per_code)
-    elif arguments.volts_per_code is not None:
-        unit, lsb = "v", arguments.volts_per_code
-    if lsb is None:
+        return ("n", build.units.newtons_per_code) if build.array else ("v", build.units.volts_per_code)
+    return ("", None) if arguments.volts_per_code is None else ("v", arguments.volts_per_code)
+
+
+def _toml(names, unit, lsb, level):
+    """The lines of [slip] in a unit, or in codes as registers."""
+    if not unit:
         words = [f"# slip.{name} = {code}   {why}" for name, (code, why) in names.items()]
         return ["# registers, in codes; --config or --volts-per-code gives the lines of [slip]", *words]
     return [
@@ -330,7 +345,7 @@ def _toml(names, arguments, build, level):
     ]
 
 
-def draw(path, law, threshold, per_hour, p2p, slips):
+def draw(path, law, threshold, per_hour, slips=None, scale=""):
     """A picture: the alarms an hour of each threshold, counted, by the law, and its interval."""
     from matplotlib.figure import Figure
 
@@ -345,20 +360,22 @@ def draw(path, law, threshold, per_hour, p2p, slips):
     codes = np.arange(int(law.values[0]) - 1, last + 1)
     counted = [law.per_hour((law.counts[law.values > code].sum()) / law.blocks) for code in codes]
     some = np.unique(np.linspace(codes[0], codes[-1], 9).round().astype(int))
-    ends = np.array([law.interval(code) for code in some])
+    ends = np.array([law.interval(code, 0.05) for code in some])
     floor = per_hour / 100
     axes.fill_between(some, np.maximum(ends[:, 0], floor), ends[:, 1], alpha=0.25, label="95 % interval")
-    axes.semilogy(codes, [max(law.rate(code), floor) for code in codes], label="extreme-value law")
+    axes.semilogy(codes, [law.rate(code) or np.nan for code in codes], label="extreme-value law")
     seen = np.array(counted)
     axes.semilogy(codes[seen > 0], seen[seen > 0], "k.", label=f"counted in {law.blocks} blocks")
     axes.axvline(threshold, color="C3", label=f"threshold {threshold}")
     axes.axhline(per_hour, color="C3", ls=":", label=f"{per_hour:g} an hour")
-    if slips is not None:
-        over = slips[slips > threshold]
-        if len(over):
-            axes.axvline(min(np.median(over), last), color="C2", ls="--", label="median of slips (or beyond)")
-    axes.set(xlabel="threshold in codes, peak to peak", ylabel="false alarms an hour", ylim=(floor, None))
-    axes.set_title(f"quiet hold of {law.seconds:.4g} s, p2p at most {p2p.max()} codes")
+    title = f"quiet hold of {law.seconds:.4g} s, p2p at most {law.values[-1]} codes"
+    if slips is not None and (slips > threshold).any():
+        middle = np.median(slips[slips > threshold])
+        title += f"; of slips {middle:g} in the median"
+        if middle <= last:
+            axes.axvline(middle, color="C2", ls="--", label="median of slips")
+    axes.set(ylabel="false alarms an hour", ylim=(floor, None), title=title)
+    axes.set_xlabel(f"threshold in codes, peak to peak{f' ({scale})' if scale else ''}")
     axes.legend()
     with written(path) as file:
         figure.savefig(file, format=suffix)

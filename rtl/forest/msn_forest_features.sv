@@ -77,9 +77,11 @@ module msn_forest_features #(
   logic [FullBits-1:0] full, full_next;
   assign full_next = in_restart_i ? '0 : full == FullBits'(Window) ? full : full + 1'b1;
 
-  // The two reads of the ring: what is fetched, and what is at the output.
+  // The two reads of the ring: what is fetched, and what is at the output. Words are counted: a comparison of the places
+  // would never end after an upset of one.
   logic fetched, fetched_last, final_read;
-  assign final_read = read_next == write;
+  logic [WordBits-1:0] left;
+  assign final_read = left == '0;
   always_ff @(posedge clk_i) begin
     if (accept) begin
       write <= write_next;
@@ -87,6 +89,7 @@ module msn_forest_features #(
         full    <= full_next;
         sending <= full_next == FullBits'(Window);
         read    <= write_next;
+        left    <= WordBits'(Words - 1);
       end
     end
     if (advance) begin
@@ -96,6 +99,7 @@ module msn_forest_features #(
       out_last_o   <= fetched_last;
       if (sending) begin
         read    <= read_next;
+        left    <= left - 1'b1;
         sending <= !final_read;
       end
     end

@@ -67,7 +67,8 @@ module msn_registers #(
   localparam int unsigned Rows = msn_registers_pkg::Rows;
   // The groups of this build by group_e, and without core, which is always there.
   localparam logic [msn_registers_pkg::Groups-1:0] Has = {
-    Display, Forest, ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc, 1'b1
+    Display, Forest, ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc,
+    1'b1
   };
   localparam logic [msn_registers_pkg::Groups-2:0] Features = Has[msn_registers_pkg::Groups-1:1];
 

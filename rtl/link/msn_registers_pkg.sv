@@ -365,7 +365,8 @@ package msn_registers_pkg;
   } status_t;
 
   typedef enum logic [3:0] {
-    Core, Adc, Slip, Scan, Health, Tare, Calibrate, Cop, Cop4, CopSlip, Link, Grip, ShearSpeed, Forest, Display
+    Core, Adc, Slip, Scan, Health, Tare, Calibrate, Cop, Cop4, CopSlip, Link, Grip, ShearSpeed, Forest,
+    Display
   } group_e;
   localparam int unsigned Groups = 15;
 
@@ -653,7 +654,8 @@ package msn_registers_pkg;
 
   // Of each group: the bit of cfg_t that is 1 while its block is on, for settings that apply while it is off.
   localparam logic [12*Groups-1:0] Switches = {
-    12'd184, 12'd0, 12'd629, 12'd839, 12'd0, 12'd0, 12'd0, 12'd0, 12'd0, 12'd0, 12'd0, 12'd1523, 12'd0, 12'd1697, 12'd0
+    12'd184, 12'd0, 12'd629, 12'd839, 12'd0, 12'd0, 12'd0, 12'd0, 12'd0, 12'd0, 12'd0, 12'd1523, 12'd0,
+    12'd1697, 12'd0
   };
 
   localparam int unsigned ResetBits = 1717;

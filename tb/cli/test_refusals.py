@@ -37,6 +37,7 @@ warp: run acrylic_slip --engine warp; run cop_load --engine warp; run cop_slip -
 nowhere: slip nowhere.npy; cop nowhere.npy; cop4 nowhere.npy; cop4 in.npy --config nowhere.toml
 nowhere: calibrate nowhere.npz; fit-rubber nowhere.csv; cop cube.npy --calibration nowhere.npz
 nowhere: replay nowhere.mcap; log sim: --out nowhere/a.npz; replay good.npz --out nowhere/o.npz
+nowhere: regs sim: --forest nowhere.json; live sim: --forest nowhere.json
 nowhere: cop4 in.npy --config nothing-nowhere; live sim: --config nowhere; choose array --out /nowhere/x.toml
 text.npy: slip text.npy
 in.pdf: slip in.pdf; budget --cop4 --out in.pdf

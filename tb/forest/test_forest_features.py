@@ -86,7 +86,7 @@ async def recovers_after_reset(dut):
 
 EVIDENCE = {
     "equivalence": {"size": {"Channels": 3}},
-    "faults": {"size": {"Channels": 3}, "settle": 3},  # a window, and the frame before it
+    "faults": {"size": {"Channels": 3}, "settle": 4},  # a window, and the frames around it
 }
 
 SPACE = lambda draw: {

@@ -115,6 +115,7 @@ module formal_forest_features #(
       if (sending) begin
         assert (channel == '0 && sent < 8'(Words) && frames == 8'(Window));
         assert (32'(dut.read) == (32'(slot) * Channels + 32'(sent)) % Words);
+        assert (32'(dut.left) == Words - 1 - 32'(sent));
       end
       if (fetched) assert (dut.fetched_last == fetched_last);
       if (fetched && fetched_ours) assert (dut.u_ring.fetched == fetched_value);

@@ -8,12 +8,14 @@ import math
 import socket
 import struct
 import threading
+import time
+from pathlib import Path
 
 import numpy as np
 
 from meissner import scenes
-from meissner.builds.units import of_scene
-from meissner.host import Core, web
+from meissner.builds.units import Units, of_scene
+from meissner.host import Core, packets, web
 from meissner.host.line import Pipe
 from meissner.host.simulated import SimulatedCore, blocks_of, settings_of, slip_source
 from meissner.host.web.server import serving
@@ -51,6 +53,48 @@ def slipping(speed):
     core = SimulatedCore(source, settings=settings_of(config), speed=speed, level=config.level)
     core.units = of_scene(scene)
     return core
+
+
+class Fed:
+    """A source of images and centres of pressure at RATE_HZ, without a core."""
+
+    RATE_HZ, SIDE = 100, 64
+
+    def __init__(self):
+        known = Units(clk_khz=25_000, rows=self.SIDE, columns=self.SIDE, newtons_per_code=0.001, pitch_mm=1)
+        self.hub, self.stopped = web.hub.Hub(web.sources.about("fed", known, [], []), known), False
+        place = np.arange(self.SIDE) - self.SIDE / 2
+        self._images = [
+            (
+                4000 * np.exp(-((place[:, None] - 12 * np.sin(a)) ** 2 + (place - 12 * np.cos(a)) ** 2) / 60)
+            ).astype(np.uint16)
+            for a in np.linspace(0, 2 * np.pi, self.RATE_HZ, endpoint=False)
+        ]
+        self._began, self.sent = time.monotonic(), 0
+
+    def stop(self):
+        self.stopped = True
+
+    def write(self, name, value):
+        raise ValueError("nothing can be set")
+
+    def step(self):
+        time.sleep(web.sources.PERIOD_S)
+        while self.sent < (time.monotonic() - self._began) * self.RATE_HZ:
+            k, t = self.sent, self.sent / self.RATE_HZ
+            image = self._images[k % len(self._images)]
+            stamp = round(t * 1e9) + 1
+            self.hub.add(stamp, packets.Image(round(t * 25e6), t, k % 256, image, 0.001))
+            x, y = 0.3 * np.cos(k / 16), -0.3 * np.sin(k / 16)
+            self.hub.add(stamp, packets.CopFrame(round(t * 25e6), t, x, y, 90, True, 30 * x, 30 * y, 0.09))
+            self.sent += 1
+        self.hub.answer()
+        self.hub.event("status", counts={}, down=False, ended=False, viewers=len(self.hub.viewers))
+        self.hub.send()
+
+
+def resident_mb():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6
 
 
 def ask(address, method, path, body=None, **headers):

@@ -96,7 +96,7 @@ def image(store, sec, nanosec):
 @pytest.fixture
 def loopback(monkeypatch):
     """DDS on this machine alone."""
-    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner[dds]'")
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner-touch[dds]'")
     interfaces = "<General><Interfaces><NetworkInterface name='lo' multicast='false'/></Interfaces></General>"
     peers = "<Peers><Peer address='localhost'/></Peers><ParticipantIndex>auto</ParticipantIndex>"
     peers = f"<Discovery>{peers}</Discovery>"
@@ -166,7 +166,9 @@ class Client:
 @pytest.fixture
 def served():
     """(port, sentences) of the bridge before a simulated core, in a thread."""
-    pytest.importorskip("foxglove", reason="foxglove-sdk is not installed: pip install 'meissner[foxglove]'")
+    pytest.importorskip(
+        "foxglove", reason="foxglove-sdk is not installed: pip install 'meissner-touch[foxglove]'"
+    )
     said, core = [], connected()
     listening = threading.Event()
     arguments = (core, 500, "127.0.0.1:0", lambda text: (said.append(text), listening.set()))

@@ -38,6 +38,8 @@ def items():
     yield 4500, p.SLIP, p.slip_event(65535, (1 << 24) - 1, 3)
     yield 4510, p.CHANGE, p.state_change(7, 0x30201, 4, 3, True)
     yield 4520, p.STATES, p.states([1, 0, 3])[0]
+    yield 4530, p.CLASS, p.class_change(2, 65535, 99_000)
+    yield 4540, p.CLASS, p.class_change(65534, 2, (1 << 32) - 1)
     yield 4600, p.HEALTH, p.health((1 << 24) - 1, 255)
     yield 4700, p.STATISTIC, p.statistic(255, (1 << 32) - 1)
 
@@ -69,7 +71,7 @@ GAP = packets.Gap("the cable was out", 1.5)
 def test_everything_is_in_the_log(tmp_path, kind):
     more = [GAP, packets.States(4530, None, 300, (2, 4))]
     kept = logged(tmp_path / f"a.{kind}", units.Units(newtons_per_code=0.25), more)
-    assert len(kept) == 14
+    assert len(kept) == 16
     found = log.read(tmp_path / f"a.{kind}")
     cop = engines.process_cop(FRAMES, "fixed")
     assert np.array_equal(found["image"], FRAMES) and found["image"].dtype == np.uint16
@@ -80,7 +82,8 @@ def test_everything_is_in_the_log(tmp_path, kind):
     one = {
         name: found[name].tolist()
         for name in found
-        if name.split("_")[0] in ("slip", "change", "state", "health", "statistics") and "_ns" not in name
+        if name.split("_")[0] in ("slip", "change", "state", "class", "health", "statistics")
+        and "_ns" not in name
     }
     assert one == {
         **{"slip_time": [4500], "slip_channel": [65535], "slip_state": [3], "slip_p2p": [(1 << 24) - 1]},
@@ -90,6 +93,8 @@ def test_everything_is_in_the_log(tmp_path, kind):
         **{"change_start": [True, False]},
         **{"state_time": [4520] * 3 + [4530] * 2, "state_channel": [0, 1, 2, 300, 301]},
         **{"state_state": [1, 0, 3, 2, 4]},
+        **{"class_time": [4530, 4540], "class_label": [2, 65534], "class_before": [65535, 2]},
+        "class_votes": [99_000, (1 << 32) - 1],
         **{"health_time": [4600], "health_taxel": [(1 << 24) - 1], "health_faults": [255]},
         **{"statistics_time": [4700], "statistics_index": [255], "statistics_value": [(1 << 32) - 1]},
     }

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import types
+from pathlib import Path
 from unittest import mock
 
 import numpy as np
@@ -16,10 +17,10 @@ from mcap.reader import make_reader
 from mcap_ros2.writer import Writer as OldWriter
 
 from harness import rclpy_stand_in as stand_in
-from meissner import host
+from meissner import cli, host
 from meissner.builds import units
 from meissner.builds.toolchain import ROOT
-from meissner.host import foxglove_bridge, line, log, packets, ros, stamps, stream
+from meissner.host import foxglove_bridge, line, log, mcap_file, packets, ros, stamps, stream
 from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import packet as p
 
@@ -115,7 +116,7 @@ def test_bytes_are_those_of_rosbags(store):
 
 def test_the_bytes_of_dds_are_those_of_rosbags():
     """Cyclone DDS' own serialisation against ours, which the test above compares."""
-    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner[dds]'")
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install 'meissner-touch[dds]'")
     from meissner.host import dds_bridge
 
     of = dds_bridge.classes()
@@ -263,11 +264,11 @@ def test_rosbags_opens_and_converts_a_log_without_loss(tmp_path, store):
 
 
 def test_a_log_that_is_cut_still_opens(tmp_path):
-    """At every length: what is complete is read, and an image comes with its number or not at all."""
+    """At many lengths: what is complete is read, and an image comes with its number or not at all."""
     with mock.patch.object(log, "FLUSH_S", -1.0):
         recorded(tmp_path / "a.mcap")
     whole, most = (tmp_path / "a.mcap").read_bytes(), 0
-    for end in range(len(whole) // 3, len(whole), 11):
+    for end in range(len(whole) // 3, len(whole), 97):
         (tmp_path / "cut.mcap").write_bytes(whole[:end])
         try:
             found = log.read(tmp_path / "cut.mcap")
@@ -280,6 +281,44 @@ def test_a_log_that_is_cut_still_opens(tmp_path):
         most = count
     assert most == 2 + 1 + 2 + 3 + 1
     assert np.array_equal(found["image"][0], TAXELS)
+
+
+def test_an_unfinished_log_is_finished_for_other_tools(tmp_path, store, monkeypatch, capsys):
+    """rosbags refuses a file without its end; finished, it has every message up to the cut."""
+    from rosbags.highlevel import AnyReader, AnyReaderError
+
+    with mock.patch.object(log, "FLUSH_S", -1.0):  # one chunk per packet
+        recorded(tmp_path / "a.mcap")
+    whole = (tmp_path / "a.mcap").read_bytes()
+    monkeypatch.chdir(tmp_path)
+    with open("a.mcap", "rb") as file:
+        chunk = make_reader(file).get_summary().chunk_indexes[-2]
+    Path("cut.mcap").write_bytes(whole[: chunk.chunk_start_offset + chunk.chunk_length - 1])
+    with pytest.raises(AnyReaderError), AnyReader([Path("cut.mcap")]):
+        pass
+    counts = []
+    for name in ("cut.mcap", "a.mcap"):
+        cli.main(["replay", name, "--out", f"whole_{name}"])
+        topics, found = through_rosbags(Path(f"whole_{name}"), store)
+        assert topics == set(ros.TOPICS)
+        with open(f"whole_{name}", "rb") as file:
+            assert len(make_reader(file).get_summary().channels) == len(ros.TOPICS)
+        counts.append(sum(map(len, found.values())))
+        assert capsys.readouterr().out == f"{counts[-1]} messages of {name}; whole_{name}\n"
+        again, first = log.read(f"whole_{name}"), log.read(name)
+        assert "partial" not in again and ("partial" in first) == (name == "cut.mcap")
+        assert all(np.array_equal(again[key], first[key]) for key in again)
+    assert 10 < counts[0] < counts[1]
+    assert through_rosbags(Path("a.mcap"), store)[1].keys() == found.keys()
+    recorded(tmp_path / "b.npz")
+    for given in (("b.npz", "--out", "b.mcap"), ("a.mcap", "--out", "a.mcap", "--overwrite")):
+        with pytest.raises(SystemExit):
+            cli.main(["replay", *given])
+    assert capsys.readouterr().err.splitlines() == [
+        "meissner: b.npz is no MCAP file, so --out cannot be one: name a .npz or .csv file",
+        "meissner: a.mcap is an input of this command: name another output",
+    ]
+    assert (tmp_path / "a.mcap").read_bytes() == whole and not Path("b.mcap").exists()
 
 
 OLD_FRAME = """std_msgs/Header header
@@ -365,6 +404,8 @@ def test_a_log_from_before_the_typed_messages_is_read(tmp_path):
     }
     assert {name: found[name].tolist() for name in wanted} == wanted
     assert np.array_equal(found["image"][0], TAXELS) and int(found["min_load"]) == 4
+    [first] = [one for _, one in mcap_file.read(tmp_path / "old.mcap")[1] if hasattr(one, "votes")]
+    assert first.before is None
 
 
 def test_live_stamps_by_hand():

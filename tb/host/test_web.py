@@ -20,7 +20,7 @@ from harness.command import started
 from harness.web import TURN_S, Stream, ask, decoded, of_pipe, rows, shown, slipping
 from meissner import cli
 from meissner.builds.units import Units
-from meissner.host import Core, log, packets, simulated, table, web
+from meissner.host import Core, log, names, packets, simulated, table, web
 from meissner.host.line import open_line
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
@@ -113,6 +113,7 @@ def test_the_packets_of_a_log_are_those_that_were_logged(tmp_path, kind):
     writer.tell({"clk_khz": 1000})
     given = [
         *ITEMS,
+        replace(ITEMS[5], first=9),  # two packets of one clock
         packets.Reset(1, 5),
         replace(ITEMS[6], boot=1),
         replace(ITEMS[3], time=10, time_s=1e-5, boot=1),
@@ -256,6 +257,20 @@ def test_a_threshold_that_is_set_changes_the_flags():
         assert not [row for row in rows(stream.seen, "SlipEvent") if row["t"] > at + 0.1]
         ask(address, "POST", "/set", {"name": "slip.threshold", "value": 23})
         stream.until("SlipEvent")
+
+
+def test_what_the_register_reads_back_is_shown(monkeypatch):
+    """Not what was written: here the core holds half of it."""
+    pipe = SimulatedCore()
+    place, access = names.place("slip.hold"), pipe.registers.access
+
+    def halved(write, address, data=0, **more):
+        return access(write, address, data // 2 if write and address == place.address else data, **more)
+
+    monkeypatch.setattr(pipe.registers, "access", halved)
+    with shown(of_pipe(pipe)) as address:
+        status, answer = ask(address, "POST", "/set", {"name": "slip.hold", "value": 40})
+        assert (status, json.loads(answer)) == (200, {"name": "slip.hold", "value": 20})
 
 
 def test_a_trace_is_what_the_windows_saw():

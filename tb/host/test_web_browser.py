@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness import browser as chromium
-from harness.web import TURN_S, of_pipe, shown, slipping
+from harness.web import TURN_S, Fed, of_pipe, resident_mb, shown, slipping
 from meissner.builds.units import Units
 from meissner.host import Core, packets, web
 from meissner.host.line import open_line
@@ -104,6 +104,21 @@ def test_pause_scroll_save_and_keys(browser, tmp_path):
         page.until("!meissner.view.paused")
 
 
+def test_the_report_of_a_scene_is_linked(browser):
+    source, seen = of_pipe(SimulatedCore()), []
+    with web.beside(source, 0, seen.append) as stay:
+        page = browser.open(seen[0].partition(": ")[2])
+        page.until("meissner.hello")
+        assert page.do("document.getElementById('report').hidden")
+        thread = threading.Thread(target=stay, args=(b"<p>all slips</p>",), daemon=True)
+        thread.start()
+        page.until("!document.getElementById('report').hidden")
+        text = "fetch(document.getElementById('report').href).then(answer => answer.text())"
+        assert page.do(text) == "<p>all slips</p>"
+        source.stop()
+        thread.join()
+
+
 def test_it_survives_a_source_that_dies(browser, tmp_path):
     port = tmp_path / "port"
     first = Pty(of_scenes("walk_25x5"))
@@ -143,6 +158,26 @@ def test_it_survives_a_restart_of_the_server(browser):
     assert "started again" in page.do("document.getElementById('notice').textContent")
 
 
+@pytest.mark.long
+def test_64x64_at_100_frames_a_second_without_growth(browser):
+    """Three minutes: every frame arrives, and in the second half neither process grows. What may grow before:
+    the history on both sides, which is full after one minute."""
+    source = Fed()
+    with shown(source) as address:
+        page = browser.open(url(address))
+        count = "if (window.last && image.time !== last + 250_000) window.gaps++; window.last = image.time;"
+        page.do(f"window.gaps = 0; import('/page.js').then(it => it.on('Image', image => {{ {count} }}))")
+        first, sizes = source.sent, []
+        for seconds in (90, 90):
+            time.sleep(seconds)
+            page.call("HeapProfiler.collectGarbage")
+            sizes.append((resident_mb(), page.do("performance.memory.usedJSHeapSize") / 1e6))
+        assert page.do("[gaps, meissner.dropped]") == [0, 0]
+        page.until(f"last > {first + 17_000} * 250_000")  # a second late at most
+        (before, heap), (after, heap_after) = sizes
+        assert after - before < 4 and heap_after - heap < 4, sizes
+
+
 @pytest.mark.parametrize("width", [1280, 390])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_an_array_with_faults_and_a_grip(browser, width, scheme):
@@ -169,6 +204,15 @@ def test_an_array_with_faults_and_a_grip(browser, width, scheme):
         for panel in ("touch", "signal", "states", "load", "settings", "grip", "events", "link"):
             page.until(SHOWN % panel)
         page.until(f"{INK % 'touch'} > 0.3")
+        # Row 0 is at the top, y points up: of ±5 and ±3 mm between the outer cells' centres, 2.5 and 1.5.
+        hot, cold, mark = (page.do(f"getComputedStyle(document.documentElement).getPropertyValue('--{name}')")
+                           for name in ("hot", "cold", "incipient"))  # fmt: skip
+        shown_at = {(5.5 / 6, 3.5 / 4): hot, (0.5 / 6, 0.5 / 4): cold, (4.25 / 6, 1.25 / 4): mark}
+        for (across, down), colour in shown_at.items():
+            at = f"Math.round(c.width * {across}), Math.round(c.height * {down})"
+            script = f"[...c.getContext('2d').getImageData({at}, 1, 1).data.slice(0, 3)]"
+            found = page.do(f"(c => {script})(document.querySelector('#touch canvas'))")
+            assert found == [int(colour.strip()[k : k + 2], 16) for k in (1, 3, 5)], (across, down)
         page.until("document.querySelector('#touch small').textContent === '2.50, 1.50 mm, load 0.9 N'")
         assert "9 dead, blinking" in page.do("document.querySelector('#touch .note').textContent")
         page.until("document.querySelector('#grip small').textContent === '1234 counts'")

@@ -21,6 +21,7 @@ def payloads(rng):
     yield p.STATISTIC, p.statistic(wide(8), wide(32))
     yield p.CHANGE, p.state_change(wide(16), wide(24), wide(3), wide(3), wide(1))
     yield p.STATES, p.states([wide(3) for _ in range(1 + wide(6))])[0]
+    yield p.CLASS, p.class_change(wide(16), wide(16), wide(32))
     yield p.ANSWER, bytes(rng.bytes(8))
     for payload in p.image_chunks(wide(8), rng.integers(0, 1 << 16, 150).tolist(), 64):
         yield p.IMAGE, payload
@@ -49,7 +50,7 @@ def test_all_types_there_and_back_in_any_pieces():
     got = [q for part in np.split(np.frombuffer(line, np.uint8), cuts) for q in decoder.next(part.tobytes())]
     assert bytes_of(got) == packets
     assert decoder.damaged == 0
-    first = got[:10]
+    first = got[:11]
     assert first[0].fields.keys() == {"channel", "p2p", "state"}
     assert p.slip_event(**first[0].fields) == first[0].payload
     assert p.cop_frame(**first[1].fields) == first[1].payload
@@ -57,11 +58,12 @@ def test_all_types_there_and_back_in_any_pieces():
     assert p.statistic(**first[3].fields) == first[3].payload
     assert p.state_change(**first[4].fields) == first[4].payload
     assert p.states(first[5].fields["states"]) == [first[5].payload]
+    assert p.class_change(**first[6].fields) == first[6].payload
     images = [q.fields for q in first if q.kind == p.IMAGE]
     assert [i["first"] for i in images] == [0, 64, 128]
     assert [i["last"] for i in images] == [False, False, True]
     assert [len(i["taxels"]) for i in images] == [64, 64, 22]
-    assert got[10].fields == {}
+    assert got[11].fields == {}
 
 
 def test_payload_of_another_length_is_no_packet():

@@ -29,6 +29,7 @@ LITERALS = [
     (packet.COP, packet.cop_frame(0x123456, -8388608, 0, False), "02", "563412 000080 0000000000 00"),
     (packet.HEALTH, packet.health(0x030201, 1), "04", "010203 01"),
     (packet.HEALTH, packet.health(9, 6), "04", "090000 06"),
+    (packet.CLASS, packet.class_change(0x0201, 65535, 0x07060504), "08", "0102 ffff 04050607"),
     (packet.STATISTIC, packet.statistic(3, 0x07060504), "05", "03 04050607"),
     (packet.ANSWER, bridge.answer(0xA1, 2, 0x0214, 0x04030201), "10", "a1 02 1402 01020304"),
 ]
@@ -60,6 +61,7 @@ FIELDS = [
     {"x": 0x123456, "y": -8388608, "load": 0, "pressed": False},
     {"taxel": 0x030201, "faults": 1},
     {"taxel": 9, "faults": 6},
+    {"label": 0x0201, "told": 65535, "votes": 0x07060504},
 ]
 
 

@@ -79,10 +79,10 @@ MISTAKES = {
         world: kind = "bound"; volts = 0.0 | 201.0; hz = [0.5]; hz = []; hz = [401.0]
     """,
     "optacon_contact": "world: volts = []; pins = 0; tip_cm2 = 0.0",
-    "optacon_burst": "world: burst_s = 0.01; bursts = 0; hz = nan",
+    "optacon_burst": "world: burst_s = 0.01; bursts = 0; hz = nan; hz = 9.0 (burst_s)",
     "optacon_letter": """
         display: columns = 6; rows = [6]
-        world: words_min = 0.5
+        world: words_min = 0.5; hz = 50.0 (words_min)
     """,
     "touch_to_touch": """
         world: pad = "capacitive_cell"; pad = "fsr_3x3"; grip = "acrylic_slip"; shape = "spoon"

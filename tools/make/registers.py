@@ -6,6 +6,7 @@ docs/registers.md               tb/formal/registers_map.svh
 
 import argparse
 import sys
+import textwrap
 from pathlib import Path
 
 from systemrdl import RDLCompileError, RDLCompiler
@@ -134,6 +135,10 @@ def _places(groups):
     return places, sizes
 
 
+def _wrapped(words):
+    return "\n    ".join(textwrap.wrap(", ".join(words), 104))
+
+
 def _rows(groups):
     """The lines of the package's table: a row for each field and each strobe."""
     places, _ = _places(groups)
@@ -194,11 +199,11 @@ def package(groups, _):
     return PACKAGE.format(
         made=MADE,
         structs="\n".join(structs),
-        groups=", ".join(parameter(group) for group in groups),
+        groups=_wrapped(parameter(group) for group in groups),
         group_count=len(groups),
         rows="\n".join(rows),
         count=len(rows),
-        switches=", ".join(f"12'd{place}" for place in switches),
+        switches=_wrapped(f"12'd{place}" for place in switches),
         cfg=sizes["cfg"],
         status=sizes["status"],
         width=width,

@@ -13,56 +13,11 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
-
 from harness import browser as chromium
-from harness.web import of_pipe, shown
-from meissner.builds.units import Units
-from meissner.host import packets, web
+from harness.web import Fed, of_pipe, resident_mb, shown
 from meissner.host.simulated import of_scenes
 
 ROOT = Path(__file__).parents[2]
-RATE_HZ, SIDE = 100, 64
-
-
-class Fed:
-    """A source of images and CoP frames at RATE_HZ."""
-
-    def __init__(self):
-        known = Units(clk_khz=25_000, rows=SIDE, columns=SIDE, newtons_per_code=0.001, pitch_mm=1)
-        self.hub, self.stopped = web.hub.Hub(web.sources.about("fed", known, [], []), known), False
-        place = np.arange(SIDE) - SIDE / 2
-        self._images = [
-            (
-                4000 * np.exp(-((place[:, None] - 12 * np.sin(a)) ** 2 + (place - 12 * np.cos(a)) ** 2) / 60)
-            ).astype(np.uint16)
-            for a in np.linspace(0, 2 * np.pi, RATE_HZ, endpoint=False)
-        ]
-        self._began, self.sent = time.monotonic(), 0
-
-    def stop(self):
-        self.stopped = True
-
-    def write(self, name, value):
-        raise ValueError("nothing can be set")
-
-    def step(self):
-        time.sleep(web.sources.PERIOD_S)
-        while self.sent < (time.monotonic() - self._began) * RATE_HZ:
-            k, t = self.sent, self.sent / RATE_HZ
-            image = self._images[k % len(self._images)]
-            stamp = round(t * 1e9) + 1
-            self.hub.add(stamp, packets.Image(round(t * 25e6), t, k % 256, image, 0.001))
-            x, y = 0.3 * np.cos(k / 16), -0.3 * np.sin(k / 16)
-            self.hub.add(stamp, packets.CopFrame(round(t * 25e6), t, x, y, 90, True, 30 * x, 30 * y, 0.09))
-            self.sent += 1
-        self.hub.answer()
-        self.hub.event("status", counts={}, down=False, ended=False, viewers=len(self.hub.viewers))
-        self.hub.send()
-
-
-def resident_mb():
-    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6
 
 
 def speed(minutes):
@@ -77,7 +32,7 @@ def speed(minutes):
             before, sent, cpu, wall = page.do("meissner.newest"), source.sent, *clocks()
             time.sleep(30 if minutes >= 0.5 else 60 * minutes)
             cpu, wall = (now - then for now, then in zip(clocks(), (cpu, wall)))
-            received = (page.do("meissner.newest") - before) * RATE_HZ
+            received = (page.do("meissner.newest") - before) * Fed.RATE_HZ
             heap = page.do("performance.memory.usedJSHeapSize")
             print(
                 f"{(turn + 1) / 2:g} min: {(source.sent - sent) / wall:.1f} frames/s sent, "

@@ -4,6 +4,7 @@ It is checked as any other file and its pins are assigned before it is written, 
 by the sentence of the check that finds it.
 """
 
+import re
 import sys
 import tomllib
 from argparse import Namespace
@@ -94,7 +95,7 @@ def written_from(found: dict[str, Any], name: str) -> str:
         raise ValueError(f"rate = {found['rate']!r} must be a number, or max") from None
     few = found["board"] == "icebreaker"  # too few cells for registers
     part = {"channels": _channels, "array": _array, "electrodes": _electrodes}[found["sensor"]]
-    clock = f"the {board.name} makes {' or '.join(f'{each:g}' for each in makes)}" if board else "of the core"
+    clock = f"the {board.name} makes {_or(makes)}" if board else "of the core"
     about, sensor, adc, rest = part(found, few)
     signed = PARTS[found["adc"]].signed
     text = f"""# Written by `meissner config new`; docs/config.md explains every key, `config check` checks.
@@ -119,10 +120,16 @@ registers = {str(not few).lower()}         # a host reads and writes settings wh
         text += "statistics = false\nslip_only = true          # the smallest packets: changes of the state\n"
     if found["sensor"] == "array":
         text += "images = true             # beside centre of pressure and load\n"
+    text = re.sub(r"(?m)^(\S.*?) +# ", lambda found: f"{found[1]:<25} # ", text)
     made = config.read(name, tomllib.loads(text))
     if board:
         pins.assign(board, name, made.parameters, made.slip_pins)
     return text
+
+
+def _or(numbers: list[float]) -> str:
+    *most, last = (f"{each:g}" for each in numbers)
+    return f"{', '.join(most)} or {last}" if most else last
 
 
 def _channels(found: dict[str, Any], few: bool) -> tuple[str, str, str, str]:

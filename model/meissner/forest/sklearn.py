@@ -8,7 +8,7 @@ from meissner.forest.quantise import Raw, check, quantise
 
 KINDS = ("RandomForestClassifier", "ExtraTreesClassifier", "DecisionTreeClassifier", "ExtraTreeClassifier")
 TAKEN = "RandomForestClassifier, ExtraTreesClassifier or DecisionTreeClassifier"
-EXTRA = "pip install 'meissner[forest]'"
+EXTRA = "pip install 'meissner-touch[forest]'"
 RUNS_CODE = "a joblib or pickle file runs code when it is loaded: give --trust if you know who made it"
 
 

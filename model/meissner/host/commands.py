@@ -339,7 +339,9 @@ def replay(arguments: Namespace) -> None:
     found = log.read(arguments.log)
     if arguments.min_load is not None and arguments.min_load < 0:
         raise ValueError(f"min-load = {arguments.min_load} must not be negative")
-    if arguments.out is not None:
+    if arguments.out is not None and arguments.out.lower().endswith(".mcap"):
+        _finish(arguments)
+    elif arguments.out is not None:
         _compare(arguments, found)
     if _on_page(arguments):
         from meissner.host import web
@@ -347,6 +349,15 @@ def replay(arguments: Namespace) -> None:
         source = web.OfLog(found, arguments.log)
         with _stopping(source):
             web.serve(source, _port(arguments), None, _print)
+
+
+def _finish(arguments: Namespace) -> None:
+    from meissner.host import mcap_file
+
+    if not arguments.log.lower().endswith(".mcap"):
+        raise ValueError(f"{arguments.log} is no MCAP file, so --out cannot be one: name a .npz or .csv file")
+    count = mcap_file.finish(arguments.log, arguments.out)
+    print(f"{count} messages of {plain(arguments.log)}; {plain(arguments.out)}")
 
 
 def _compare(arguments: Namespace, found: "Arrays") -> None:

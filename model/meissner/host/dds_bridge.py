@@ -17,7 +17,7 @@ def classes() -> Callable[[str], Any]:
     try:
         from cyclonedds.idl import make_idl_struct, types
     except ImportError:
-        raise ValueError("the bridge to DDS needs cyclonedds: pip install 'meissner[dds]'") from None
+        raise ValueError("the bridge to DDS needs cyclonedds: pip install 'meissner-touch[dds]'") from None
     sequence: Any = types.sequence
     basic = {name: getattr(types, name) for name in ("byte", "uint8", "uint16", "int32", "uint32")}
     basic |= {name: getattr(types, name) for name in ("int64", "uint64", "float64")}

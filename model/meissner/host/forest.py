@@ -43,6 +43,7 @@ def load(core: Core, model: Model) -> None:
         raise OSError("the core was reset, or lost writes, in each attempt to write its forest")
 
     def again() -> None:
+        core.after_reset = before
         before()
         try:
             load(core, model)
@@ -81,7 +82,7 @@ def check(core: Core, model: Model) -> None:
 def _rows(core: Core, model: Model) -> list[Row]:
     if core["forest.nodes"] == WORDS:
         return place.loads(place.place(model, room=BANK_WORDS // core["forest.size.banks"]))
-    return words.loads(model, core["forest.size.engines"])
+    return sorted(words.loads(model, core["forest.size.engines"]))
 
 
 def _runs(rows: list[Row]) -> list[list[Row]]:

@@ -33,7 +33,7 @@ def run(core: Core, seconds: float | None, listen_on: str, say: Callable[[str], 
         from foxglove.websocket import Capability, Parameter, ServerListener, StatusLevel
     except ImportError:
         raise ValueError(
-            "the bridge to Foxglove needs foxglove-sdk: pip install 'meissner[foxglove]'"
+            "the bridge to Foxglove needs foxglove-sdk: pip install 'meissner-touch[foxglove]'"
         ) from None
     questions: SimpleQueue[tuple[Callable[[], list[Any]], SimpleQueue[list[Any]]]] = SimpleQueue()
 

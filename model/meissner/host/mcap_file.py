@@ -3,17 +3,22 @@
 import io
 import json
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from meissner.builds.units import FRACTION_BITS, Units
+from meissner.files import written
 from meissner.host import packets
 from meissner.host.core import Core
 from meissner.host.ros import DIAGNOSE_NS, TOPICS, Converter, Message, definition, full_name, serialised
 from meissner.host.unfinished_log import UnfinishedLog
 from meissner.twins.link.packet import NO_CLASS
+
+if TYPE_CHECKING:
+    from mcap.records import McapRecord
 
 Found = dict[str, str] | tuple[str, int, Any]  # facts, or topic, ns and message
 
@@ -128,25 +133,25 @@ def _of_whole(file: BinaryIO) -> Iterator[Found]:
         yield decoded.channel.topic, decoded.message.log_time, decoded.decoded_message
 
 
-def _of_part(file: BinaryIO) -> Iterator[Found]:
-    """The same for a file that was cut off: record by record, as far as they are complete."""
+def _records(file: BinaryIO) -> "Iterator[McapRecord]":
+    """The complete records of a file, in their order, also of one that was cut off."""
     from mcap.exceptions import EndOfFile
-    from mcap.records import Channel, Message, Metadata, Schema
     from mcap.stream_reader import StreamReader
+
+    with suppress(EndOfFile):
+        yield from StreamReader(io.BytesIO(_whole_records(file)), validate_crcs=True).records
+
+
+def _of_part(file: BinaryIO) -> Iterator[Found]:
+    """As _of_whole for a file that was cut off: record by record, as far as they are complete."""
+    from mcap.records import Channel, Message, Metadata, Schema
     from mcap_ros2.decoder import DecoderFactory
 
     factory = DecoderFactory()
     schemas: dict[int, Schema] = {}
     channels: dict[int, Channel] = {}
     decoders: dict[int, Callable[[bytes], Any]] = {}
-    records = StreamReader(io.BytesIO(_whole_records(file)), validate_crcs=True).records
-    while True:
-        try:
-            record = next(records, None)
-        except EndOfFile:
-            return
-        if record is None:
-            return
+    for record in _records(file):
         if isinstance(record, Metadata) and record.name == METADATA:
             yield record.metadata
         elif isinstance(record, Schema):
@@ -158,6 +163,35 @@ def _of_part(file: BinaryIO) -> Iterator[Found]:
         elif isinstance(record, Message):
             message = decoders[record.channel_id](record.data)
             yield channels[record.channel_id].topic, record.log_time, message
+
+
+def finish(path: str | Path, out: str | Path) -> int:
+    """Write the complete records of the log ``path`` as a finished file, which any tool opens; returns the
+    number of messages."""
+    from mcap.records import Channel, Message, Metadata, Schema
+    from mcap.writer import Writer
+
+    ids: dict[tuple[type, int], int] = {}
+    count = 0
+    with open(path, "rb") as file, written(out) as into:
+        writer = Writer(into)
+        writer.start(profile="ros2", library="meissner")
+        for one in _records(file):
+            if isinstance(one, Schema) and (Schema, one.id) not in ids:  # a finished file repeats them
+                ids[Schema, one.id] = writer.register_schema(one.name, one.encoding, one.data)
+            elif isinstance(one, Channel) and (Channel, one.id) not in ids:
+                schema = ids[Schema, one.schema_id]
+                ids[Channel, one.id] = writer.register_channel(
+                    one.topic, one.message_encoding, schema, one.metadata
+                )
+            elif isinstance(one, Message):
+                channel = ids[Channel, one.channel_id]
+                writer.add_message(channel, one.log_time, one.data, one.publish_time, one.sequence)
+                count += 1
+            elif isinstance(one, Metadata):
+                writer.add_metadata(one.name, one.metadata)
+        writer.finish()
+    return count
 
 
 def _whole_records(file: BinaryIO) -> bytes:

@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meissner.arrays import Floats
+from meissner.arrays import Floats, finite
 
 LENGTH_MM, WIDTH_MM, THICKNESS_MM = 37.0, 1.05, 0.55
 MODULUS_PA, DENSITY, D31 = 60e9, 7800.0, 274e-12
@@ -128,6 +128,7 @@ def per_volt() -> float:
     return 3e6 * D31 * (LENGTH_MM / THICKNESS_MM) ** 2
 
 
+@finite
 def transfer(hz: ArrayLike, finger: bool, volts: float = STANDARD_V) -> NDArray[np.complex128]:
     """Micrometres a volt at the tip of a drive at these frequencies, of pulses of so many ``volts``."""
     w = 2 * np.pi * np.asarray(hz, float)
@@ -147,6 +148,7 @@ def lifted(x_um: Floats, finger: bool, volts: float) -> Floats:
     return np.maximum(x_um - PRELOAD_V * float(transfer(0.0, True, volts).real), 0.0)
 
 
+@finite
 def moved(volts: Floats, rate_hz: float, finger: bool) -> Floats:
     """Displacement in um by volts [..., samples] of a periodic record of pulses, all of the same height."""
     most = float(volts.max(initial=0.0)) or STANDARD_V
@@ -154,6 +156,7 @@ def moved(volts: Floats, rate_hz: float, finger: bool) -> Floats:
     return lifted(np.fft.irfft(lines, volts.shape[-1]), finger, most)
 
 
+@finite
 def period(hz: float, volts: float, finger: bool, width: float = 0.5, points: int = POINTS) -> Floats:
     """Displacement in um over a period of a steady drive, with its mean: harmonics of pulses of ``width``."""
     n = np.arange(1, points // 2)
@@ -164,15 +167,18 @@ def period(hz: float, volts: float, finger: bool, width: float = 0.5, points: in
     return lifted(np.fft.irfft(lines, points), finger, volts)
 
 
+@finite
 def in_db(um: Floats) -> Floats:
     return np.asarray(20 * np.log10(np.maximum(um, 1e-6) / DECIBEL_UM))
 
 
+@finite
 def peak_db(hz: float, volts: float, finger: bool) -> float:
     """The true peak of a steady drive, half of what it moves from end to end."""
     return float(in_db(np.array(np.ptp(period(hz, volts, finger)) / 2)))
 
 
+@finite
 def by_laser(wave_um: Floats, hz: float, rng: np.random.Generator, periods: int = PERIODS) -> Floats:
     """The laser's samples over that many periods of a ``wave_um`` whose phase it does not know, with
     drift."""
@@ -185,6 +191,7 @@ def by_laser(wave_um: Floats, hz: float, rng: np.random.Generator, periods: int 
     return np.asarray(LASER_UM * np.rint(x / LASER_UM))
 
 
+@finite
 def peaks(samples: Floats, hz: float) -> Floats:
     """The peak of each period, half of what it moves from end to end; without the drift, a line through
     all."""
@@ -194,6 +201,7 @@ def peaks(samples: Floats, hz: float) -> Floats:
     return (np.maximum.reduceat(x, first) - np.minimum.reduceat(x, first)) / 2
 
 
+@finite
 def measured_db(wave_um: Floats, hz: float, rng: np.random.Generator) -> float:
     """Mean peak of one measurement of a period's wave, in dB re 1 um, with the reading's scatter."""
     mean = peaks(by_laser(wave_um, hz, rng), hz).mean()

@@ -22,7 +22,9 @@ def step(subject: int, trial: int) -> NDArray[np.uint16]:
     """One step, uint16 [frames, 63, 33], from the frame before the first load to the frame after the last."""
     found = find_spec("jikudata")
     if found is None or not found.submodule_search_locations or find_spec("h5py") is None:
-        raise ValueError("the recorded steps need jiku-data and h5py: pip install 'meissner[recordings]'")
+        raise ValueError(
+            "the recorded steps need jiku-data and h5py: pip install 'meissner-touch[recordings]'"
+        )
     import h5py
 
     folder = Path(found.submodule_search_locations[0]) / "datasets" / DATASET / "data_y"

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.arrays import Bools, Floats
+from meissner.arrays import Bools, Floats, finite
 
 
 class Channel(NamedTuple):
@@ -111,12 +111,14 @@ ORIGINS = {
 }
 
 
+@finite
 def summation_db(cm2: float, skin: str = "fingertip") -> float:
     """By how much FA-II's threshold for that contactor is above the plotted curve."""
     low, slope = min(cm2, SUMS_CM2), SLOPES[skin]
     return float(DECADE_DB * np.log10(SUMS_CM2 / low) + slope * np.log10(PLOTTED_CM2 / max(cm2, SUMS_CM2)))
 
 
+@finite
 def threshold_db(name: str, hz: ArrayLike, cm2: float = TIP_CM2, skin: str = "fingertip") -> Floats:
     """The threshold of a channel of CHANNELS for a contactor of that area; beyond the knots their last lines
     go on."""
@@ -129,11 +131,13 @@ def threshold_db(name: str, hz: ArrayLike, cm2: float = TIP_CM2, skin: str = "fi
     return np.asarray(found + (summation_db(cm2, skin) if channel.sums else 0.0))
 
 
+@finite
 def reached(name: str, hz: ArrayLike, db: ArrayLike, cm2: float = TIP_CM2, skin: str = "fingertip") -> Bools:
     """Whether a sine of that peak in dB re 1 um is at or above the threshold."""
     return np.asarray(np.asarray(db) >= threshold_db(name, hz, cm2, skin))
 
 
+@finite
 def sensation(name: str, x_um: Floats, rate_hz: float, cm2: float = TIP_CM2) -> Floats:
     """Displacements [..., samples] of a periodic record over the channel's threshold. What is held counts for
     the slowly adapting units as SLOW_HZ does, for the others not at all."""

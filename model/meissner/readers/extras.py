@@ -13,7 +13,9 @@ def _library(path: Path, name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        raise ValueError(f"{path} needs {name.split('.')[0]}: pip install 'meissner[formats]'") from None
+        raise ValueError(
+            f"{path} needs {name.split('.')[0]}: pip install 'meissner-touch[formats]'"
+        ) from None
 
 
 def _text(value: Any) -> str:

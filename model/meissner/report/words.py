@@ -411,6 +411,10 @@ SHORT = {
     **{"y_moves": "y moves", "y_rises": "y rises", "y_left": "y left", "y_follows": "y follows"},
     **{"unevenness_before": "before", "unevenness_after": "calibrated"},
     **{"unevenness_codes_as_they_are": "codes uneven", "unevenness_calibrated_by_probe": "probe uneven"},
+    **{f"at_{hz}_hz_db": f"{hz} Hz" for hz in (1, 20, 150, 230)},
+    **{name: name for name in ("SA-I", "SA-II", "FA-I", "FA-II", "FA-II smallest", "FA-II tip")},
+    **{"pins_on": "pins on", "on_felt": "on felt", "changes_felt": "changes felt", "rest_felt": "off felt"},
+    "error": "error",
 }
 # "condition" is a number among the solver's bounds, a name in a slip table.
 SOLVER_CONDITION = Words("condition number, at most")

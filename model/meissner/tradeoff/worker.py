@@ -39,7 +39,7 @@ def cluster(address):
     try:
         from dask.distributed import Client
     except ImportError:
-        raise ValueError("--scheduler needs Dask: pip install 'meissner[dask]'") from None
+        raise ValueError("--scheduler needs Dask: pip install 'meissner-touch[dask]'") from None
     try:
         client = Client(address, timeout="20s")
     except (OSError, ValueError) as problem:

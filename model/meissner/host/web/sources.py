@@ -25,6 +25,7 @@ from meissner.twins.slip.slip_path import details
 
 PERIOD_S = 0.02
 POLL_S = 0.1  # between two reads of registers that no packet reports
+TURN = 4  # settings read with them
 STATUS_S = 0.5
 GROUPS = ("slip", "cop", "cop4", "cop_slip", "grip", "shear_speed")  # whose settings the page shows
 READ = ("grip.command", "grip.fault", "grip.faulty", "grip.tightenings")
@@ -184,10 +185,10 @@ class OfCore:
             yield from self._pins.take()
 
     def _poll(self) -> None:
-        """Read what changes by itself, and one setting after the other: another host may have written it."""
-        self._turn.rotate(-1)
+        """Read what changes by itself, and some settings in turn: another host may have written them."""
+        self._turn.rotate(-TURN)
         with suppress(OSError, ValueError), self.core.impatient():
-            for name in (*self._read, *list(self._turn)[:1]):
+            for name in (*self._read, *list(self._turn)[:TURN]):
                 self.hub.remember("register", name, self.core[name])
 
 

@@ -1,4 +1,4 @@
-"""Judging pins under a finger: each kind's summary, arrays and rows. ``KINDS``: the function of each kind.
+"""Judging pins under a finger: each kind's summary, arrays and rows. ``KINDS``: the functions of all but touch.
 
 ``conclusions`` are the paper's four, of displacements by voltage and frequency:
 
@@ -282,10 +282,4 @@ def _letter(scene, core, recording, rng):
     return summary, arrays, rows, drawn
 
 
-def _touch(scene, core, recording, rng):
-    from meissner.scenes.optacon import touch  # here: the other kinds need no sensor
-
-    return touch.judge(scene, core, recording)
-
-
-KINDS = {"free": _free, "contact": _contact, "burst": _burst, "letter": _letter, "touch": _touch}
+KINDS = {"free": _free, "contact": _contact, "burst": _burst, "letter": _letter}

@@ -171,6 +171,7 @@ def draw_touch(scene, path, force_g, levels, felt, patterns, true_deg):
     _pins(axes[1], levels > 0, INK, "pins")
     _pins(axes[2], felt, COLOURS["SA-I"], "SA-I responds")
     changed = [0, *(np.flatnonzero((np.diff(patterns.astype(int), axis=0) != 0).any(axis=(1, 2))) + 1)]
+    changed = changed if len(patterns) else []
     for axis, at in zip(axes[3:], changed):
         _pins(axis, patterns[at], GREEN, f"slip to {true_deg:g}°")
     for axis in axes[3 + len(changed) :]:

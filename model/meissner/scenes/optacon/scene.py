@@ -152,13 +152,19 @@ class Recording(base.Recording):
 def build(name, table):
     keys, own = base.read(name, table, Keys)
     display, world = keys.display, values(keys.world)
-    own["kind"] = world.pop("kind", own["kind"])
     with naming(f"scene {name}: [display]"):
         sizes = display.sizes()
     grids = tuple((rows, display.columns) for rows in display.rows)
     found = ()
     if own["kind"] == "letter" and (min(display.rows) < 7 or display.columns != 5):
         raise ValueError(f"scene {name}: [display]: a letter needs rows of 7 or more, and columns = 5")
+    if own["kind"] == "burst" and world["burst_s"] * world["hz"] < LEAST_PERIODS:
+        raise ValueError(f"scene {name}: [world]: burst_s must last {LEAST_PERIODS} drive periods or more")
+    if own["kind"] == "letter" and 60 / (world["words_min"] * 5) / (5 + GAP) * world["hz"] < LEAST_PERIODS:
+        raise ValueError(
+            f"scene {name}: [world]: words_min = {world['words_min']:g} makes steps of a letter shorter than "
+            f"{LEAST_PERIODS} drive periods"
+        )
     if own["kind"] == "touch":
         found = _sensors(f"scene {name}: [world]", world)
     return Scene(**own, sizes=sizes, grids=grids, world=world, sensors=found)

@@ -81,7 +81,10 @@ export const page = {
   states: new Steps(),         // by channel: {state, p2p}
   registers: new Steps(),
   events: [], health: new Map(), statistics: new Map(), counts: {}, status: {}, dropped: 0,
-  get from() { return this.view.to - this.view.span; },
+  get from() {  // in the first seconds, what there is
+    const {to, span, paused} = this.view;
+    return paused ? to - span : Math.max(to - span, Math.min(0, to - 1));
+  },
   get to() { return this.view.to; },
 };
 
@@ -132,8 +135,15 @@ on("hello", head => {
   for (const [taxel, faults] of Object.entries(head.now.health)) page.health.set(+taxel, faults);
   for (const [name, value] of Object.entries(head.now.statistics)) page.statistics.set(name, value);
   for (const [name, value] of Object.entries(head.now.register ?? {})) page.registers.push(name, -Infinity, value);
+  link(head.now.link?.report);
   for (const def of panels) def.begin?.(head);
 });
+function link(address) {  // to the report of the scene that is played
+  const found = document.getElementById("report");
+  found.hidden = !address;
+  if (address) found.href = address;
+}
+on("link", row => link(row.value));
 on("CopFrame", row => page.cop.push(row.t, row.x_mm ?? row.x, row.y_mm ?? row.y, row.load_n ?? row.load, row.pressed));
 on("Image", image => {
   page.images.push(image);
@@ -270,6 +280,7 @@ export function show(from, to) {  // look at a part of the past
 }
 const oldest = () => Math.max(0, page.newest - KEPT_S);
 function scrollTo(to) {
+  if (!page.view.paused) page.view.span = to - page.from;
   page.view.paused = true;
   page.view.to = Math.min(page.newest, Math.max(oldest() + page.view.span, to));
 }

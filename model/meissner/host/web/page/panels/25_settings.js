@@ -40,7 +40,7 @@ function row(setting) {
     if (slider) slider.setAttribute("aria-valuetext", `${value}`);
     if (keep) return;
     said.className = "";
-    said.textContent = `has ${value}${scale ? `, ${withUnit(value, scale)}` : ""}`;
+    said.textContent = value > reach[1] ? `has ${value}: out of reach` : `has ${value}${scale ? `, ${withUnit(value, scale)}` : ""}`;
     said.title = "as the core reads it back";
     rows.get(name).shown = value;
   }

@@ -25,7 +25,7 @@ panel({
     const slipping = changed.filter(([, , state]) => state === 2 || state === 3).length;
     const chosen = changed.sort((a, b) => (b[0] === page.channel) - (a[0] === page.channel) || b[1] - a[1] || a[0] - b[0]).slice(0, MOST).map(([key]) => key).sort((a, b) => a - b);
     sub.textContent = `${changed.filter(([, , state]) => state > 0 && state < 4).length} in contact, ${slipping} slipping${changed.length > MOST ? `; ${MOST} of ${changed.length} channels` : ""}`;
-    const [draw, wide] = bands.begin(TALL * chosen.length + 18), room = wide - LEFT, from = page.from, span = page.view.span;
+    const [draw, wide] = bands.begin(TALL * chosen.length + 18), room = wide - LEFT, from = page.from, span = page.to - from;
     const x = t => LEFT + Math.max(0, Math.min(1, (t - from) / span)) * room;
     draw.font = "12px system-ui, sans-serif"; draw.textBaseline = "middle";
     chosen.forEach((key, row) => {
