@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meissner.engines import load
+from meissner.files import check_out, written
 from meissner.interval import CONFIDENCE
 from meissner.terminal import plain
 
@@ -264,6 +265,9 @@ def command(arguments):
 
     if not 0 < arguments.per_hour < float("inf"):
         raise ValueError(f"per-hour = {arguments.per_hour:g} must be a number above 0")
+    picture = check_out(arguments.out)
+    if picture.suffix.lower() not in (".png", ".svg"):
+        raise ValueError(f"{picture} must be a .png or a .svg file")
     build = None if arguments.config is None else process.build_of(arguments.config)
     config = process.settings(arguments, build, needed=False)
     x, rate_hz, said = process.samples(arguments, build=build)
@@ -305,7 +309,7 @@ def command(arguments):
     unit, lsb = _unit(arguments, build)
     lines += ["", *_toml(names, unit, lsb, config.level)]
     scale = f"{lsb / 2 ** (config.level / 2):.4g} {unit.upper()} a code" if unit else ""
-    draw(arguments.out, law, threshold, arguments.per_hour, slips, scale)
+    draw(picture, law, threshold, arguments.per_hour, slips, scale)
     print(*lines, f"# picture: {plain(arguments.out)}", sep="\n")
 
 
@@ -349,11 +353,6 @@ def draw(path, law, threshold, per_hour, slips=None, scale=""):
     """A picture: the alarms an hour of each threshold, counted, by the law, and its interval."""
     from matplotlib.figure import Figure
 
-    from meissner.files import written
-
-    suffix = str(path).lower().rpartition(".")[2]
-    if suffix not in ("png", "svg"):
-        raise ValueError(f"{path} must be a .png or a .svg file")
     figure = Figure(figsize=(8, 5), layout="constrained")
     axes = figure.subplots()
     last = max(threshold + 2, int(1.15 * threshold))
@@ -378,4 +377,4 @@ def draw(path, law, threshold, per_hour, slips=None, scale=""):
     axes.set_xlabel(f"threshold in codes, peak to peak{f' ({scale})' if scale else ''}")
     axes.legend()
     with written(path) as file:
-        figure.savefig(file, format=suffix)
+        figure.savefig(file, format=path.suffix[1:].lower())

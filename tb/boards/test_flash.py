@@ -89,11 +89,18 @@ def test_what_cannot_be_loaded_is_refused(bench, words, says, capsys):
     assert not (bench / "words").exists()
 
 
-@pytest.mark.parametrize("code, says", [("1", "code 1: is the ULX3S"), ("127", "libftdi1-2")])
-def test_a_loader_that_fails_is_reported(bench, monkeypatch, capsys, code, says):
+@pytest.mark.parametrize(
+    "board, code, says",
+    [
+        ("ulx3s", "1", "code 1: is the ULX3S (ECP5 12F to 85F) plugged in, and may"),
+        ("orangecrab", "1", "plugged in (hold the button"),
+        ("ulx3s", "127", "libftdi1-2"),
+    ],
+)
+def test_a_loader_that_fails_is_reported(bench, monkeypatch, capsys, board, code, says):
     monkeypatch.setenv("CODE", code)
     with pytest.raises(SystemExit, match="2"):
-        cli.main(["flash", "ulx3s", "ulx3s_top.bit"])
+        cli.main(["flash", board, f"{board}_top.bit"])
     assert says in capsys.readouterr().err
 
 

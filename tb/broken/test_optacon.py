@@ -60,7 +60,7 @@ GAINED = {"gained_slow_db", "gained_fast_db"}
 
 def test_as_it_is(sound):
     free, contact, burst, letter, touch = (sound[name] for name in (FREE, CONTACT, BURST, LETTER, TOUCH))
-    assert abs(free["fit_error_db"]) < 0.3 and free["correlation"] > 0.99 and free["single_low_db"] < 0.6
+    assert abs(free["fit_error_db"]) < 0.8 and free["correlation"] > 0.99 and free["single_low_db"] < 0.6
     assert all(contact[f"conclusion_{k}"] for k in (1, 2, 3, 4)) and contact["lowest_hz"] == 150
     assert abs(burst["out_um"] - 33) < 0.5 and abs(burst["ripple_um"] - 0.8) < 0.05
     assert burst["felt_by"] == ["SA-I", "FA-I"] and abs(burst["back_um"]) < 0.1

@@ -205,10 +205,8 @@ def test_the_command(tmp_path):
     assert f"# slip.threshold = {codes} " in plain.stdout and (tmp_path / "threshold.png").is_file()
     assert tomllib.loads(plain.stdout.partition("#")[2].partition("\n")[2]) == {}
     for more, words in (
-        (("--per-hour", 0), "per-hour"),
         (("--per-hour", 0.1), "too short"),
         (("--rate", 9000), "10000"),
-        (("--out", "t.pdf"), ".png"),
     ):
         done = meissner("threshold", "quiet.npy", "--config", "mine.toml", "--overwrite", *more, cwd=tmp_path)
         assert (done.returncode, done.stdout) == (2, "") and words in done.stderr

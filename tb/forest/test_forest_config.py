@@ -7,8 +7,10 @@ import random
 import pytest
 
 from forest.trees import forest
-from meissner.builds import boards, config
+from meissner.builds import board_files, boards, config
 from meissner.builds.features.forest import LARGEST, bits_of
+from meissner.builds.pins import assign as pins_of
+from meissner.builds.pins import description as pins_description
 from meissner.forest import file
 
 FINGER = {
@@ -182,3 +184,25 @@ def test_block_rams_of_boards(tmp_path):
         ValueError, match=r"1664 nodes .* need 29 block RAMs but the icebreaker has 26 for them: .*--fit"
     ):
         board.plan(str(path))
+
+
+def test_an_sdram_has_its_pins(tmp_path):
+    """On the ULX3S, by its board's list; a board without one is refused, and so is another clock."""
+    path = tmp_path / "mine.toml"
+    text = (
+        "about = 'a'\nclock = {mhz = %s}\nsensor = {kind = 'none'}\n"
+        "forest = {source = 'host', features = 5, memory = 'sdram', trees = 400}\n"
+    )
+    path.write_text(text % 100.0)
+    plan = boards.BOARDS["ulx3s"].plan(str(path))
+    pins = {name: pin for port in plan.ports for name, pin in port.bits}
+    assert (pins["sdram_clk_o"], pins["sdram_dq_io[0]"], pins["sdram_dq_io[15]"]) == ("F19", "J16", "J17")
+    assert (pins["sdram_ba_o[1]"], pins["sdram_a_o[12]"], pins["sdram_dqm_o[0]"]) == ("N20", "G19", "U19")
+    assert {row["direction"] for row in plan.rows() if "dq_io" in row["port"]} == {"inout"}
+    top = board_files.top(plan)
+    assert "inout  wire [15:0] sdram_dq_io" in top and ".Q(sdram_clk_o)" in top
+    assert "assign sdram_we_n_o = sdram.we_n;" in top and ".sdram_dq_i  (sdram_dq_io)" in top
+    macros = boards.sizes(boards.BOARDS["ulx3s"].parameters(str(path)))
+    assert macros["SDRAM"] == 1 and "SDRAM" not in boards.sizes(of(HOST).parameters)
+    with pytest.raises(ValueError, match="mine has a forest in an SDRAM but the icebreaker has none"):
+        pins_of(pins_description("icebreaker"), "mine", of(HOST).parameters | {"ForestSdram": 1})

@@ -29,7 +29,8 @@ module formal_forest_features #(
   logic                         accept, advance, restart_q, sending, sends;
   logic                         whole, known;  // since the reset: a frame, a sample of the watched channel
   logic [IdBits-1:0]            watch_q;
-  logic [7:0]                   channel, slot, frames, frames_next, sent;  // sent: features of this row that were read
+  logic [7:0]                   channel, slot, frames, frames_next;
+  logic [7:0]                   sent;  // features of this row that were read
   logic [Window-1:0]            clean;     // of a slot: a whole frame of differences since the restart
   logic [Window-1:0]            kept_known;
   logic [Window-1:0][SampleBits:0] kept;   // of a slot: the watched channel's difference

@@ -67,14 +67,16 @@ module formal_forest_memory #(
   logic [WordBits-1:0]  kept, kept_read;
   logic [PlaceBits-1:0] place;
   assign kept      = {value[63:62], value[54+:IndexBits], value[32+:FeatureBits], value[31:0]};
-  assign kept_read = {value_read[63:62], value_read[54+:IndexBits], value_read[32+:FeatureBits], value_read[31:0]};
+  assign kept_read = {value_read[63:62], value_read[54+:IndexBits], value_read[32+:FeatureBits],
+                      value_read[31:0]};
   assign place     = PlaceBits'(32'(watch_i) + ((Banks == 2 && watch_bank_i) ? Nodes : 0));
 
   always_comb begin
     if (!started) assume (rst_i);
     assume (32'(watch_i) < Nodes && 32'(write_address_i) < Nodes && 32'(req_address_i) < Nodes);
     // The engine reads no bank that a load writes.
-    assume (!(req_valid_i && write_i && req_address_i == write_address_i && (Banks == 1 || req_bank_i == write_bank_i)));
+    assume (!(req_valid_i && write_i && req_address_i == write_address_i
+              && (Banks == 1 || req_bank_i == write_bank_i)));
     if (started) begin
       assume (watch_i == watch_q && watch_bank_i == watch_bank_q);
       assert (req_ready_o && rsp_valid_o == answered);

@@ -72,7 +72,9 @@ module formal_forest_votes #(
     end
   end
   for (genvar k = 0; k < 2; k++) begin : gen_class
-    always_comb if (started && begun && watch_second_i == 1'(k)) assert (dut.gen_sum[k].sums[watch_i] == total);
+    always_comb begin
+      if (started && begun && watch_second_i == 1'(k)) assert (dut.gen_sum[k].sums[watch_i] == total);
+    end
   end
 
   always_comb begin

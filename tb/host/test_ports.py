@@ -65,8 +65,8 @@ def test_a_core_is_described_and_only_read(capsys):
     noted = Noted(SimulatedCore(features=["slip", "cop"], size=(3, 5)))
     with Pty(noted) as pty:
         [said] = lines(capsys, pty.url)
-    assert said.startswith(f"{pty.url}  core 4d534e") or "core " in said
-    assert "register map 0.6: 3×5 taxels; " in said and "slip" in said and "cop" in said
+    told = r"core 4d534e52, register map 0\.\d+: 3×5 taxels; slip, cop"  # the ID is "MSNR"
+    assert re.fullmatch(rf"{pty.url}  {told}", said)
     found, rejected = bridge.accesses(noted.sent)
     assert rejected == 0 and len(found) > 5
     assert {operation for operation, *_ in found} == {bridge.READ}

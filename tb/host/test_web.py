@@ -38,6 +38,8 @@ ITEMS = [
     packets.States(5000, 0.005, 3, (0, 1, 4)),
     packets.Health(6000, 0.006, 4, 1),
     packets.Statistics(7000, 0.007, 6, 12),
+    packets.ClassChange(7500, 0.0075, 3, 5, 70_000),
+    packets.ClassChange(7600, 0.0076, 2, None, 60_000),
     packets.Gap("unplugged", 1.5),
 ]
 
@@ -61,8 +63,8 @@ def test_every_packet_is_sent_as_it_is():
     assert of["Image"][1]["number"] == 7 and of["Image"][1]["newtons_per_code"] == 0.001
     assert of["States"] == (0.005, {"kind": "States", "boot": 0, "time": 5000, "time_s": 0.005, "first": 3,
                                     "states": [0, 1, 4]})  # fmt: skip
-    assert of["Gap"] == (0.008, {"kind": "Gap", "reason": "unplugged", "seconds": 1.5})
-    assert of["message"] == (0.008, {"kind": "message", "text": "µ"})
+    assert of["Gap"] == (0.010, {"kind": "Gap", "reason": "unplugged", "seconds": 1.5})
+    assert of["message"] == (0.010, {"kind": "message", "text": "µ"})
     first, second = rows(messages, "CopFrame")
     assert first == {"t": 0, "boot": 0, "time": 1000, "time_s": 0.001, "x": 0.5, "y": -0.25, "load": 700,
                      "pressed": 1, "x_mm": 1.5, "y_mm": -0.75, "load_n": 0.7}  # fmt: skip
@@ -71,11 +73,13 @@ def test_every_packet_is_sent_as_it_is():
     assert [slip[name] for name in ("t", "channel", "state", "p2p", "p2p_v")] == [0.003, 5, 2, 41, 0.035]
     assert [change[name] for name in ("before", "late", "state")] == [2, 1, 1]
     assert rows(messages, "Statistics")[0]["value"] == 12 and rows(messages, "Health")[0]["faults"] == 1
+    first, second = rows(messages, "ClassChange")
+    assert [first[name] for name in ("label", "before", "votes")] == [3, 5, 70_000] and "before" not in second
     # A viewer that comes later learns what holds, and gets the same again.
     later, viewer = hub.join()
     [(t, head)], _ = decoded(later)
     now = head["now"]
-    assert t == 0.008 and now["health"] == {"4": 1} and now["statistics"] == {"images dropped": 12}
+    assert t == 0.010 and now["health"] == {"4": 1} and now["statistics"] == {"images dropped": 12}
     assert {channel: state for channel, (state, *_) in now["states"].items()} == {"3": 0, "4": 1, "5": 4}
     assert str(decoded(viewer.take(0))[0]) == str(messages)
 

@@ -1,19 +1,23 @@
 """The page in a real browser, Debian's Chromium where there is one: it draws, it updates, a threshold moved
 in it changes the flags of the simulated core, the source may die and come back, and so may the server."""
 
+import re
 import threading
 import time
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 from harness import browser as chromium
 from harness.web import TURN_S, Fed, of_pipe, resident_mb, shown, slipping
+from meissner.builds.toolchain import ROOT
 from meissner.builds.units import Units
 from meissner.host import Core, packets, web
 from meissner.host.line import open_line
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
+from meissner.host.web import server
 from meissner.host.web.server import serving
 
 pytestmark = pytest.mark.skipif(bool(chromium.missing), reason=chromium.missing)
@@ -119,6 +123,32 @@ def test_the_report_of_a_scene_is_linked(browser):
         thread.join()
 
 
+@dataclass(frozen=True)
+class Votes(packets.OfBoot):
+    """A packet of a feature to come, as docs/host.md shows it."""
+
+    time: int
+    score: float
+
+
+def test_a_panel_is_one_file(browser, monkeypatch):
+    """The page's example: its packet reaches it, and it is hidden until then."""
+    [text] = re.findall(r"```js\n(.*?)```", (ROOT / "docs/host.md").read_text("utf-8"), re.DOTALL)
+    files = server.page()
+    kind, index = files["/"]
+    index = index.replace(b"</body>", b'<script type="module" src="/panels/90_votes.js"></script></body>')
+    more = {"/": (kind, index), "/panels/90_votes.js": (server.TYPES[".js"], text.encode())}
+    monkeypatch.setattr(server, "page", lambda: files | more)
+    source = of_pipe(SimulatedCore())
+    with shown(source) as address:
+        page = browser.open(url(address))
+        page.until("meissner.hello")
+        assert not page.do(SHOWN % "votes")
+        source.hub.ask(lambda: [source.hub.add(10**18 + k * 10**7, Votes(k, k * 0.5)) for k in range(50)])
+        page.until(SHOWN % "votes")
+        page.until(f"{INK % 'votes'} > 0.005")
+
+
 def test_it_survives_a_source_that_dies(browser, tmp_path):
     port = tmp_path / "port"
     first = Pty(of_scenes("walk_25x5"))
@@ -145,12 +175,12 @@ def test_it_survives_a_restart_of_the_server(browser):
     port = 0
     for turn in range(2):
         source = of_pipe(of_scenes("walk_25x5"))
-        with serving(source.hub, source.write, port) as server:
+        with serving(source.hub, source.write, port) as served:
             thread = threading.Thread(target=web.play, args=(source,), daemon=True)
             thread.start()
-            port = server.server_address[1]
+            port = served.server_address[1]
             if not turn:
-                page = browser.open(server.url)
+                page = browser.open(served.url)
             page.until(f"meissner.hello?.session === '{source.hub.session}' && meissner.cop.length > 3")
             source.stop()
             thread.join()
@@ -199,9 +229,22 @@ def test_an_array_with_faults_and_a_grip(browser, width, scheme):
             hub.add(begin + 2 * 10**6, packets.Health(0, None, 9, 5))
             hub.add(begin + 3 * 10**6, packets.StateChange(0, None, 7, 1, 9, None, None))
             hub.add(begin + 4 * 10**6, packets.SlipEvent(0, None, 7, 2, 70, None))
+            hub.add(begin + 5 * 10**6, packets.ClassChange(0, None, 3, 1, 131_070))
+            hub.event("Pins", levels=np.arange(6, dtype=np.uint8).reshape(2, 3), most=5)
 
         source.hub.ask(more)
-        for panel in ("touch", "signal", "states", "load", "settings", "grip", "events", "link"):
+        for panel in (
+            "touch",
+            "signal",
+            "states",
+            "load",
+            "forest",
+            "settings",
+            "grip",
+            "pins",
+            "events",
+            "link",
+        ):
             page.until(SHOWN % panel)
         page.until(f"{INK % 'touch'} > 0.3")
         # Row 0 is at the top, y points up: of ±5 and ±3 mm between the outer cells' centres, 2.5 and 1.5.
@@ -216,6 +259,8 @@ def test_an_array_with_faults_and_a_grip(browser, width, scheme):
         page.until("document.querySelector('#touch small').textContent === '2.50, 1.50 mm, load 0.9 N'")
         assert "9 dead, blinking" in page.do("document.querySelector('#touch .note').textContent")
         page.until("document.querySelector('#grip small').textContent === '1234 counts'")
+        page.until("document.querySelector('#forest small').textContent === 'class 3'")
+        assert page.do(INK % "pins") > 0.4
         words = "a finger is silent, a finger is unhealthy; 0 tightenings"
         assert page.do("document.querySelector('#grip .note').textContent") == words
         assert page.do(WIDE), page.do("document.documentElement.scrollWidth")

@@ -243,9 +243,10 @@ def after(board, name):
     own = shlex.quote(f"{folder}/{board.top}{board.bitstream}")
     config = shlex.quote(f"{folder}/config.toml")
     baud = configurations.load(ROOT / folder / "config.toml").link.baud
+    first = f" ({usb['first']})" if "first" in usb else ""
     steps = {
         "wire it": f"{folder}/wiring.svg, the pins in {folder}/pins.txt",
-        "load it": f".venv/bin/meissner flash {board.name} {own}",
+        "load it": f".venv/bin/meissner flash {board.name} {own}{first}",
         "its port": f"{usb['port']}, {usb['about']}, {baud} baud; .venv/bin/meissner ports asks what answers",
         "once": "sudo cp host/60-meissner.rules /etc/udev/rules.d/ && sudo udevadm control --reload && "
         "sudo udevadm trigger",

@@ -75,8 +75,9 @@ def command(arguments: Namespace) -> None:
     if code == LIBRARIES:
         raise ValueError(NOT_THERE)
     if code:
+        first = f" ({usb['first']})" if "first" in usb else ""
         raise ValueError(
-            f"{LOADER} ended with code {code}: is the {board.title} plugged in, and may you open it "
+            f"{LOADER} ended with code {code}: is the {board.title} plugged in{first}, and may you open it "
             "(host/60-meissner.rules)?"
         )
     print(f"loaded {plain(path)} into the {board.title}; its serial line: {usb['port']}, {usb['about']}")

@@ -69,6 +69,11 @@ class Table:
         }
         self._images: list[NDArray[np.uint16]] = []
 
+    @staticmethod
+    def takes(item: object) -> bool:
+        """Whether a log has columns for such a packet."""
+        return type(item) in _KINDS
+
     def add(self, stamp_ns: int, item: packets.Item | packets.Reset) -> None:
         kind = _KINDS[type(item)]
         if isinstance(item, packets.Image):
@@ -152,6 +157,9 @@ def items(log: Arrays, known: Units) -> Iterator[tuple[int, packets.Item | packe
         elif kind == "image":
             found |= {"taxels": log["image"][row], "newtons_per_code": known.newtons_per_code}
             yield ns, packets.Image(**at, **found)
+        elif kind == "class":
+            before = None if found["before"] == NO_CLASS else found["before"]
+            yield ns, packets.ClassChange(**at, **found | {"before": before})
         elif kind in ("change", "slip"):
             code, start = found["p2p"], found.pop("start", True)
             found |= {"p2p_v": known.detail_volts(code), "p2p_n": known.detail_newtons(code)}

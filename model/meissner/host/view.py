@@ -3,7 +3,7 @@
 import time
 from collections import deque
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,12 +71,23 @@ class Pins:
         self.told = f"{pins} pins on" if running else "off"
         self.told += ", a fault of the sensor" * fault + ", limited" * limited
 
-    def picture(self, image: packets.Image | None) -> list[str]:
+    def levels(self, image: packets.Image | None) -> NDArray[Any] | None:
         """The pins for an image of the core, as it makes them; of a host's frames and slips it has none."""
         if image is None or self.host:
-            return []
+            return None
         self.render.shape = image.taxels.shape
-        return heat_map(self.render.next(image.taxels))
+        return np.asarray(self.render.next(image.taxels))
+
+    def picture(self, image: packets.Image | None) -> list[str]:
+        levels = self.levels(image)
+        return [] if levels is None else heat_map(levels)
+
+
+def pins_of(core: Core) -> Pins | None:
+    """The display of a core that has one; the register map of a simulated core has every group."""
+    if not core.registers or "display" not in core.features or not core["display.size.rows"]:
+        return None
+    return Pins(core)
 
 
 class View:
@@ -89,7 +100,7 @@ class View:
         self.messages: deque[str] = deque(maxlen=4)
         self._from = (self._simulated_s or 0.0, time.monotonic())
         self._rate = (0.0, 0, 0.0)  # time of the last tick, packets then, packets per second
-        self.pins = Pins(core) if core.registers and "display" in core.features else None
+        self.pins = pins_of(core)
 
     def _forget(self, boot: int) -> None:
         """Nothing is known of this boot of the core yet."""

@@ -29,7 +29,6 @@ from meissner.arrays import Arrays
 from meissner.builds.units import Units
 from meissner.host import packets
 from meissner.host.log import McapLog
-from meissner.host.simulated import Trace
 from meissner.host.table import Facts, Table, items, joined
 from meissner.host.unfinished_log import UnfinishedLog
 
@@ -56,17 +55,16 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def message(item: Any) -> Message:
-    """The text and the arrays of a packet."""
-    head: dict[str, Any] = {"kind": type(item).__name__}
+def message(kind: str, given: Mapping[str, Any]) -> Message:
+    """The text and the arrays of a packet or of another message."""
+    head: dict[str, Any] = {"kind": kind}
     arrays, listed = [], []
-    for field in fields(item):
-        value = getattr(item, field.name)
+    for name, value in given.items():
         if isinstance(value, np.ndarray):
-            listed.append([field.name, value.dtype.str.lstrip("<|"), list(value.shape)])
+            listed.append([name, value.dtype.str.lstrip("<|"), list(value.shape)])
             arrays.append(value)
         else:
-            head[field.name] = _plain(value)
+            head[name] = _plain(value)
     return head | ({"arrays": listed} if listed else {}), arrays
 
 
@@ -143,7 +141,8 @@ class Hub:
         self.newest_s = max(self.newest_s, t)
         with self._lock:
             self._note(t, item)
-        head, arrays = message(item)
+        given = {field.name: getattr(item, field.name) for field in fields(item)}
+        head, arrays = message(type(item).__name__, given)
         values = [value for key, value in head.items() if key != "kind"]
         if arrays or not all(value is None or isinstance(value, int | float) for value in values):
             self._close_rows()
@@ -154,7 +153,7 @@ class Hub:
                 self._close_rows()
                 self._rows_of = kind, ["t", *head]
             self._rows.append([t, *(np.nan if value is None else float(value) for value in values)])
-        if not isinstance(item, Trace):
+        if Table.takes(item):
             self._keep(stamp_ns, item)
 
     def tell(self, facts: Facts) -> None:
@@ -199,10 +198,10 @@ class Hub:
 
     # To the viewers
 
-    def event(self, kind: str, arrays: list[NDArray[Any]] | None = None, **given: Any) -> None:
-        """A message that is no packet, at the time of the newest one."""
+    def event(self, kind: str, **given: Any) -> None:
+        """A message that is no packet, at the time of the newest one; arrays as a packet's."""
         self._close_rows()
-        self._out.append(encode(self.newest_s, {"kind": kind, **given}, arrays))
+        self._out.append(encode(self.newest_s, *message(kind, given)))
 
     def remember(self, kind: str, key: str, value: Any) -> None:
         """The same for a value that new viewers get too; sent only if it is another one."""

@@ -17,6 +17,7 @@ from meissner.host.core import Core
 from meissner.host.log import Log
 from meissner.host.simulated import BLOCK, Trace, traced
 from meissner.host.table import items
+from meissner.host.view import pins_of
 from meissner.host.web.hub import Hub
 from meissner.twins.link.packet import COUNTERS
 from meissner.twins.slip.peak_to_peak import PeakToPeak
@@ -28,7 +29,7 @@ POLL_S = 0.1  # between two reads of registers that no packet reports
 TURN = 4  # settings read with them
 STATUS_S = 0.5
 GROUPS = ("slip", "cop", "cop4", "cop_slip", "grip", "shear_speed")  # whose settings the page shows
-READ = ("grip.command", "grip.fault", "grip.faulty", "grip.tightenings")
+READ = ("grip.command", "grip.fault", "grip.faulty", "grip.tightenings", "forest.label", "forest.best")
 
 
 def about(title: str, known: Units, features: list[str], settings: list[dict[str, Any]]) -> dict[str, Any]:
@@ -104,7 +105,8 @@ class OfCore:
         self.core, self.stopped = core, False
         shown = [] if not core.registers else [name for name in core.names() if name.split(".")[0] in GROUPS]
         self._settings = [name for name in shown if core.check(name).setting]
-        self._read = [name for name in READ if name in shown]
+        self._read = [name for name in READ if core.registers and name in core.names()]
+        self._display = pins_of(core)
         settings = []
         for name in self._settings:
             least, most = core.check(name).ends(core.build)
@@ -112,9 +114,8 @@ class OfCore:
             settings.append({"name": name, **ends, "scale": scale(core.units, name)})
         self.hub = Hub(about(title, core.units, core.features, settings), core.units)
         self.log = Log(self.hub, core)
-        for name in shown:
-            if name in self._settings or name in self._read:
-                self.hub.remember("register", name, core[name])
+        for name in (*self._settings, *self._read):
+            self.hub.remember("register", name, core[name])
         self._polled, self._told = time.monotonic(), 0.0
         self._turn = deque(self._settings)
         self._pipe = getattr(core.line, "pipe", None)
@@ -156,6 +157,11 @@ class OfCore:
         for item in core.packets(PERIOD_S):
             self.log.add(item)
             again |= isinstance(item, packets.Gap)
+            if isinstance(item, packets.Image) and self._display is not None:
+                levels = self._display.levels(item)
+                if levels is not None:
+                    most = (1 << self._display.bits) - 1
+                    self.hub.event("Pins", levels=levels.astype(np.uint8), most=most)
         for trace in self._traces():
             self.log.add(replace(trace, boot=core.counts.restarts))
         hub.answer()
@@ -190,6 +196,9 @@ class OfCore:
         with suppress(OSError, ValueError), self.core.impatient():
             for name in (*self._read, *list(self._turn)[:TURN]):
                 self.hub.remember("register", name, self.core[name])
+            if self._display is not None:
+                self._display.read()
+                self.hub.remember("display", "told", self._display.told)
 
 
 class OfLog:

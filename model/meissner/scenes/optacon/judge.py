@@ -1,4 +1,4 @@
-"""Judging pins under a finger: each kind's summary, arrays and rows. ``KINDS``: the functions of all but touch.
+"""Judging pins under a finger: each kind's summary, arrays and rows. ``KINDS``: functions of all but touch.
 
 ``conclusions`` are the paper's four, of displacements by voltage and frequency:
 
@@ -13,10 +13,9 @@ import numpy as np
 from meissner.physics import pins, receptors
 from meissner.physics.receptors import CHANNELS, PLOTTED_CM2, SMALLEST_CM2, TIP_CM2, reached
 from meissner.scenes.optacon import pictures, published
+from meissner.scenes.optacon.felt import feel, frequency, voltages
 from meissner.scenes.optacon.scene import step_s
 from meissner.twins.actuate.pin_display import share
-
-OVERSAMPLED = 64  # instants of a drive period
 
 
 def _rounded(row, digits=3):
@@ -35,12 +34,6 @@ def conclusions(hz, volts, db, tip_cm2=TIP_CM2, plotted_cm2=PLOTTED_CM2):
         3: bool(high.any() and reached("FA-II", hz, db, plotted_cm2)[:, high].all()),
         4: not bool(reached("FA-II", hz, db, tip_cm2).any()),
     }
-
-
-def frequency(shown, size):
-    """Mean drive frequency of the periods after the silent one."""
-    clocks = (shown.start[-1] - shown.start[1]) / (len(shown.start) - 2)
-    return float(1000 * size.clk_khz / clocks)
 
 
 def _driven(scene, core, recording):
@@ -152,15 +145,6 @@ def _contact(scene, core, recording, rng):
     return summary, arrays, rows, [(pictures.draw_channels, shown), (pictures.draw_thresholds, {})]
 
 
-def voltages(shown, size, volts):
-    """Volts [pins, instants] over the periods after the silent one, OVERSAMPLED a period."""
-    per_slot = OVERSAMPLED // size.slots or 1
-    slots = np.arange(size.slots)
-    levels = shown.levels[1:].T[:, :, None]
-    high = (levels > 0) & (slots <= levels)
-    return volts * np.repeat(high, per_slot, axis=2).reshape(len(levels), -1), per_slot * size.slots
-
-
 def _burst(scene, core, recording, rng):
     """Bursts of the drive: out, back, and the ripple on top, by the laser; and which channels feel them."""
     world, ((size, settings, frames),) = scene.world, recording.drives
@@ -213,18 +197,6 @@ def _burst(scene, core, recording, rng):
     ]
     arrays = {"time_s": seconds, "um": seen, "volts": v[0], "volts_time_s": np.arange(len(x)) / rate}
     return summary, arrays, rows, [(pictures.draw_burst, {"time_s": seconds, "um": seen})]
-
-
-def feel(scene, shown, size):
-    """({channel: bool [pins, periods], where it responds}, hertz) of a display under the finger."""
-    hz = frequency(shown, size)
-    v, points = voltages(shown, size, scene.world["volts"])
-    x = pins.moved(v, hz * points, True)
-    feels = {}
-    for name in CHANNELS:
-        y = np.abs(receptors.sensation(name, x, hz * points, scene.world["tip_cm2"]))
-        feels[name] = y.reshape(len(x), -1, points).max(axis=2) >= 1.0
-    return feels, hz
 
 
 def summed_pins(hz, db, tip_cm2):

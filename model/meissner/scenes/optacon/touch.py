@@ -10,7 +10,7 @@ from meissner.engines.features.render.engines import Felt
 from meissner.physics.capacitive import GRAM_N
 from meissner.scenes.capacitive.judge import calibrations
 from meissner.scenes.optacon import pictures
-from meissner.scenes.optacon.judge import feel, frequency
+from meissner.scenes.optacon.felt import feel, frequency
 from meissner.twins.actuate.render import APART, OCTANTS, RenderSettings, averages
 
 
