@@ -63,27 +63,33 @@ class Fit:
 
 
 def _columns(path, column=None):
-    """{name: values} of a file's columns: its times in seconds, the only one in volts, the speed in mm/s.
-
-    ``column``: which are time_s, volts and speed_mm_s, by name or number.
-    """
+    """({name: values} of a file: its times in seconds, the only column in volts, the speed in mm/s; what was
+    taken). ``column``: which are time_s, volts and speed_mm_s, by name or number."""
+    table = readers.table(path, column or (*RECORDING, *STEPS))
     if column:
-        chosen = readers.chosen(path, column)
+        chosen = readers.chosen(path, table, column)
         if len(chosen) != len(RECORDING):
             raise ValueError(f"{path}: {len(chosen)} columns are named; {', '.join(RECORDING)} are needed")
-        scales = [(TIMES | VOLTS).get(one.unit, 1.0) for one in chosen]
-        return {name: one.values / scale for name, one, scale in zip(RECORDING, chosen, scales)}
-    found, volts = {}, []
-    for one in readers.table(path, (*RECORDING, *STEPS)).columns:
-        values, name = one.values, one.name
-        if one.is_time and one.unit in TIMES:
-            name, values = "time_s", values / TIMES[one.unit]
-        elif one.unit == "mm/s":
-            name = "speed_mm_s"
-        elif one.unit in VOLTS:
-            volts.append(values / VOLTS[one.unit])
-        found[name] = values
-    return found if len(volts) != 1 or "step_v" in found else {"volts": volts[0]} | found
+        found = dict(zip(RECORDING, chosen))
+    else:
+        found, volts = {}, [one for one in table.columns if one.unit in VOLTS]
+        for one in table.columns:
+            timed = one.is_time and one.unit in TIMES
+            found["time_s" if timed else "speed_mm_s" if one.unit == "mm/s" else one.name] = one
+        if len(volts) == 1 and "step_v" not in found:
+            found = {"volts": volts[0]} | found
+    used = {name: found[name] for name in dict.fromkeys((*RECORDING, *STEPS)) if name in found}
+    told = ", ".join(
+        f"{name} is {one.name}{f' in {one.unit}' * bool(one.unit)}" for name, one in used.items()
+    )
+    scale = TIMES | VOLTS
+    values = {
+        name: one.values / scale[one.unit]
+        if one.unit in scale and one.values.dtype.kind in "iuf"
+        else one.values
+        for name, one in used.items()
+    }
+    return values, f"{table.how}; {told}"
 
 
 def _numbers(path, name, values):
@@ -97,12 +103,17 @@ def _numbers(path, name, values):
 
 
 def read(path, column=None):
-    """The Steps in a file with one row per sample (RECORDING) or per step (STEPS); ValueError without any.
+    """The Steps of ``recorded``."""
+    return recorded(path, column)[0]
+
+
+def recorded(path, column=None):
+    """(Steps in a file with one row per sample (RECORDING) or per step (STEPS), what was taken of it).
 
     Any file that meissner.readers reads, with columns or arrays of these names, or the ``column``
     that are; others are ignored.
     """
-    found = _columns(path, column)
+    found, told = _columns(path, column)
     form = STEPS if "step_v" in found or "rest_v" in found else RECORDING
     for name in form:
         if name not in found:
@@ -116,7 +127,7 @@ def read(path, column=None):
             raise ValueError(
                 f"{path}: {form[0]} has {len(columns[0])} rows and {name} has {len(column)}; they must agree"
             )
-    return Steps(*columns) if form is STEPS else steps_of(*columns)
+    return Steps(*columns) if form is STEPS else steps_of(*columns), told
 
 
 def steps_of(time_s, volts, speed_mm_s):
@@ -305,5 +316,6 @@ def command(arguments):
     """``meissner fit-rubber``."""
     if not 0 < arguments.codes_per_v < float("inf"):
         raise ValueError(f"codes-per-v = {arguments.codes_per_v:g} must be a number above 0")
-    lines = tell(fit(read(arguments.recording, arguments.column)), arguments.codes_per_v)
-    print(f"{plain(arguments.recording)}: dV = (k0 + k1·Vi)·v^n", *lines, sep="\n")
+    steps, told = recorded(arguments.recording, arguments.column)
+    lines = tell(fit(steps), arguments.codes_per_v)
+    print(plain(f"{arguments.recording}: {told}"), "dV = (k0 + k1·Vi)·v^n", *lines, sep="\n")

@@ -113,7 +113,7 @@ def frame_of(draw, size):
 
 
 @cocotb.test(timeout_time=9, timeout_unit="ms")
-@cocotb.parametrize((("duty", "watchdog"), [(65535, 2), (120, 15), (400, 15)]))
+@cocotb.parametrize((("duty", "watchdog"), [(65535, 2), (120, 15)]))
 async def every_edge_is_the_twins(dut, duty, watchdog):
     draw, size = random.Random(f"{bench.SEED} {duty} {watchdog}"), size_of(dut)
     least, largest = size.limits
@@ -262,7 +262,9 @@ EVIDENCE = {
 }
 
 
-@pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size.pins}")
+@pytest.mark.parametrize(
+    "size", [SIZES[0], pytest.param(SIZES[1], marks=pytest.mark.long)], ids=lambda size: f"{size.pins}"
+)
 def test_pin_display(size):
     bench.run("actuate", "pin_display", size.parameters)
 
@@ -302,7 +304,7 @@ def test_widths_of_pulses_by_hand():
 
 @pytest.mark.parametrize("duty, watchdog", [(65535, 15), (1500, 15), (65535, 1), (3000, 3)])
 def test_twin_against_the_lists(duty, watchdog):
-    """At the full size, 230 Hz, 25 MHz: the phase clock by clock for three periods, the limits for 40 s."""
+    """At the full size, 230 Hz, 25 MHz: the phase clock by clock for three periods, the limits for 21 s."""
     size, draw = DisplaySize(pins=6), random.Random(bench.SEED)
     settings = DisplaySettings(increment_of(230, 25_000), 92, 60, 14, 4, duty, watchdog)
     twin, lists = PinDisplay(size, settings), Limits(6, 4)
@@ -320,7 +322,7 @@ def test_twin_against_the_lists(duty, watchdog):
         twin.reset()
     twin.on_again(1000)
     seventh, frame, seen, before = 0, [0] * 6, Counter(), 0
-    for n in range(9200):
+    for n in range(5000):
         given = None
         if draw.random() < 0.01:
             frame = given = [draw.choice([0, 1, 9, 200]) for _ in range(6)]
@@ -335,5 +337,5 @@ def test_twin_against_the_lists(duty, watchdog):
         assert (period.levels.tolist(), period.limited) == (levels, kept_off), n
         seventh, before = now, wrap
         seen[bool(kept_off), any(levels)] += 1
-    assert twin.wrap == 1000 + 1 - (-(9200 * WRAP) // settings.increment)
+    assert twin.wrap == 1000 + 1 - (-(5000 * WRAP) // settings.increment)
     assert len(seen) >= 3

@@ -147,7 +147,7 @@ EVIDENCE = {
 }
 
 
-@pytest.mark.parametrize("parameters", SIZES)
+@pytest.mark.parametrize("parameters", [*SIZES[:2], pytest.param(SIZES[2], marks=pytest.mark.long)])
 def test_pin_shift(parameters):
     bench.run("actuate", "pin_shift", parameters)
 

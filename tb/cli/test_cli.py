@@ -205,7 +205,7 @@ def test_calibrate_names_the_dead_cells(tmp_path):
 
 
 def test_ctrl_c_ends_in_one_sentence_and_leaves_nothing(tmp_path, monkeypatch, recording, capsys):
-    def interrupted(*_):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(engines, "process_slip", interrupted)

@@ -190,6 +190,7 @@ async def clocks_of_trees(dut, trees):
     """Trained with scikit-learn's defaults on 3546 rows; loaded into the part directly. Of 1000 rows that
     with the fewest nodes, the middle one and that with the most, alone and one after another."""
     model = await up(dut)
+    ends = 54 + 4 * 28  # a row's beats; some nodes of the last walk, with no other beside it
     forest, x = trained(trees)
     fresh, _ = windows(1000, seed=5)
     steps = forest.steps(fresh).sum(1)
@@ -206,13 +207,13 @@ async def clocks_of_trees(dut, trees):
         found, clock = await timed(dut, [row])
         assert found == expected(forest.model, [row]) and model.counts["READ"] - before == count
         dut._log.info(f"{count} nodes, {clock} clocks, {clock / count:.3f} a node, {clock / 1e5:.3f} ms")
-        assert clock <= 4.3 * count and clock <= 100_000
+        assert clock <= 4.2 * count + ends and clock <= 100_000
     found, clock = await timed(dut, q)
     each = clock / sum(nodes)
     dut._log.info(
         f"{forest.model.nodes} nodes, {steps.mean():.0f} a decision; in a row {each:.3f} clocks a node"
     )
-    assert found == expected(forest.model, q) and each <= 4.2
+    assert found == expected(forest.model, q) and clock <= 4.2 * sum(nodes) + ends
 
 
 @pytest.mark.parametrize(

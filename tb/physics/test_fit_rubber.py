@@ -168,6 +168,9 @@ def test_the_command_prints_constants_intervals_residuals_and_toml(tmp_path, cap
     path = write(tmp_path / "lot.csv", fit_rubber.RECORDING, recording(rows))
     cli.main(["fit-rubber", str(path)])
     text = capsys.readouterr().out
+    assert text.startswith(
+        f"{path}: comma; time_s is time in s, volts is volts in V, speed_mm_s is speed_mm_s\n"
+    )
     found = fit(rows)
     for name, value, low, high in zip(("k0", "k1", "n"), found.value, found.low, found.high):
         assert f"{name:<2} = {value:8.4f}   95 % interval {low:.4f} to {high:.4f}" in text

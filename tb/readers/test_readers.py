@@ -68,6 +68,10 @@ EVEN = {  # name: (text, names, unit, samples per second, values by column)
         '"Time (s)","Channel A, filtered (V)"\n"0.0","1.5"\n"0.5","2.5"\n',
         ("Channel A, filtered",), "V", 2, [[1.5, 2.5]],
     ),
+    "quoted_comma.csv": (
+        '"t (s)","a (V)","hand"\n"0,0","1,5","left, old"\n"0,5","2,5","left"\n',
+        ("a",), "V", 2, [[1.5, 2.5]],
+    ),
     "trailing.csv": ("Time [ms],a [V],\n0,1.5,\n2,2.5,\n", ("a",), "V", 500, [[1.5, 2.5]]),
     "alike.csv": ("t_us,v,v\n0,1,2\n8,3,5\n", ("v", "v 2"), "", 125e3, [[1, 3], [2, 5]]),
     "rising.csv": ("0,0.00,3\n1,0.02,1\n2,0.04,4\n3,0.06,1\n", ("column 3",), "", None, [[3, 1, 4, 1]]),

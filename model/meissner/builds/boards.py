@@ -224,10 +224,10 @@ BOARDS = {
                 "fingertip": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
                 "cop4": {"mhz": 50.0, "device": "25F"},
                 "grip": {"mhz": 50.0, "device": "25F"},
-                "display": {"mhz": 50.0, "device": "25F"},
                 "array64": {"mhz": 100.0, "device": "25F"},
                 "full": {"mhz": 100.0, "device": "45F"},
             },
+            left_out={"display": UNMEASURED},
         ),
         Board(
             name="orangecrab",

@@ -83,6 +83,13 @@ class Pins:
         return [] if levels is None else heat_map(levels)
 
 
+def pins_of(core: Core) -> Pins | None:
+    """The display of a core that has one; the register map of a simulated core has every group."""
+    if not core.registers or "display" not in core.features or not core["display.size.rows"]:
+        return None
+    return Pins(core)
+
+
 class View:
     """``add`` takes packets; ``line`` and ``picture`` show the newest."""
 
@@ -93,7 +100,7 @@ class View:
         self.messages: deque[str] = deque(maxlen=4)
         self._from = (self._simulated_s or 0.0, time.monotonic())
         self._rate = (0.0, 0, 0.0)  # time of the last tick, packets then, packets per second
-        self.pins = Pins(core) if core.registers and "display" in core.features else None
+        self.pins = pins_of(core)
 
     def _forget(self, boot: int) -> None:
         """Nothing is known of this boot of the core yet."""

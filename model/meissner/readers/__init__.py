@@ -231,9 +231,8 @@ def read(
     return Recording(name, values, names, kinds.pop(), rate_hz, "; ".join(told), found.audio, frames)
 
 
-def chosen(path: str | PathLike[str], column: Sequence[str]) -> list[Column]:
-    """The columns of a file by names or numbers, times among them."""
-    found = table(path, column)
+def chosen(path: str | PathLike[str], found: Table, column: Sequence[str]) -> list[Column]:
+    """Columns by names or numbers, times among them."""
     names = [part for entry in column for part in _parts(entry, found)]
     return [_find(str(path), name, found.columns, found.how) for name in names]
 

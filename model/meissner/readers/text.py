@@ -80,10 +80,11 @@ class _Text:
         names = names or self.labels or [f"column {k}" for k in range(1, self.count + 1)]
         units = units or [""] * self.count
         words = self._words()
-        if words:
-            rest = [k for k in range(self.count) if k not in words]
+        rest = [k for k in range(self.count) if k not in words]
+        if words or any('"' in line for _, line in self.data):  # what is left has neither text nor quotes
             rows = [(at, _fields(line, mark)) for at, line in self.data]
-            self.data = [(at, mark.join(fields[k] for k in rest)) for at, fields in rows]
+            self.data = [(at, "\t".join(fields[k] for k in rest)) for at, fields in rows]
+            self.mark = "\t" if len(rest) > 1 else ""
             words, names, units = (
                 [names[k] for k in words],
                 [names[k] for k in rest],
@@ -196,8 +197,6 @@ class _Text:
         rows = [line for _, line in self.data]
         if decimal == ",":
             rows = [line.replace(",", ".") for line in rows]
-        if any('"' in line for line in rows[:1]):
-            rows = [line.replace('"', "") for line in rows]
         try:
             mark = None if self.mark in ("", " ") else self.mark
             return np.loadtxt(rows, delimiter=mark, ndmin=2, comments=None).T

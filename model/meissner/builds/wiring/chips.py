@@ -1,6 +1,6 @@
 """Converters as a drawing needs them: the number of each pin, and what the pins without a signal are tied to.
 
-Pin numbers of the MCP3208, AD7606 and MAX11123 to MAX11125 are those of KiCad's symbols. The others, marked
+docs/adc.md has the sources of the MCP3208, AD7606 and MAX11123 to MAX11125. Pin numbers of the others, marked
 ``unverified``, are from memory: check them against the data sheet (docs/adc.md).
 """
 

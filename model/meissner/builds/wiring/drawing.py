@@ -516,7 +516,7 @@ class _Drawing:
             yield "Multiplexers: one for each input, an analogue switch such as 74HC4052 or 74HC4051."
         if build.cop4:
             yield f"Amplifiers: supplies beyond ±{build.cop4.mesh.V0:g} V, such as ±18 V."
-        yield "Lines that cross without a dot do not connect. Open ends go where the signal says, if anywhere."
+        yield "Lines that cross without a dot are apart. Open ends go where the signal says, if at all."
 
 
 def svg(board: Board, name: str, volts: float | None = None, readout: str = "amplifier") -> bytes:

@@ -17,7 +17,7 @@ from meissner.host.core import Core
 from meissner.host.log import Log
 from meissner.host.simulated import BLOCK, Trace, traced
 from meissner.host.table import items
-from meissner.host.view import Pins
+from meissner.host.view import pins_of
 from meissner.host.web.hub import Hub
 from meissner.twins.link.packet import COUNTERS
 from meissner.twins.slip.peak_to_peak import PeakToPeak
@@ -106,7 +106,7 @@ class OfCore:
         shown = [] if not core.registers else [name for name in core.names() if name.split(".")[0] in GROUPS]
         self._settings = [name for name in shown if core.check(name).setting]
         self._read = [name for name in READ if core.registers and name in core.names()]
-        self._display = Pins(core) if core.registers and "display" in core.features else None
+        self._display = pins_of(core)
         settings = []
         for name in self._settings:
             least, most = core.check(name).ends(core.build)
@@ -157,7 +157,7 @@ class OfCore:
         for item in core.packets(PERIOD_S):
             self.log.add(item)
             again |= isinstance(item, packets.Gap)
-            if isinstance(item, packets.Image) and self._display is not None and all(self._display.grid):
+            if isinstance(item, packets.Image) and self._display is not None:
                 levels = self._display.levels(item)
                 if levels is not None:
                     most = (1 << self._display.bits) - 1
@@ -196,7 +196,7 @@ class OfCore:
         with suppress(OSError, ValueError), self.core.impatient():
             for name in (*self._read, *list(self._turn)[:TURN]):
                 self.hub.remember("register", name, self.core[name])
-            if self._display is not None and all(self._display.grid):
+            if self._display is not None:
                 self._display.read()
                 self.hub.remember("display", "told", self._display.told)
 

@@ -403,7 +403,7 @@ export function chart(body, lines, {height = 150, least = null, bands = []} = {}
     },
     axes: [
       {stroke: tone("soft"), grid: {stroke: tone("line"), width: 1}, ticks: {show: false}, font, size: 24, gap: 2, values: (_, ticks) => ticks.map(t => t < 0 ? "" : `${+t.toFixed(3)}`)},
-      {stroke: tone("soft"), grid: {stroke: tone("line"), width: 1}, ticks: {show: false}, font, size: 48, gap: 4},
+      {stroke: tone("soft"), grid: {stroke: tone("line"), width: 1}, ticks: {show: false}, font, size: 58, gap: 4},
     ],
     series: [{}, ...lines.map(line => ({label: line.label, stroke: tone(line.colour), width: 1.4, points: {show: false}, ...line.more}))],
     bands: bands.map(([top, bottom, colour]) => ({series: [top, bottom], fill: tone(colour)})),
