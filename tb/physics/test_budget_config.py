@@ -180,3 +180,14 @@ def test_a_budget_without_a_configuration_knows_no_range():
         "choose", "array", "--settle-share", "0.005", "--adc", "AD7606", "--rows", "8", "--cols", "8"
     )
     assert "# 84.71 us after a switch" in told.stdout and "84.7 us are enough for 0.5 %" in told.stdout
+
+
+def test_the_terms_of_a_display():
+    """4 x 4 taxels on 5 x 20 pins at 24 MHz: 8 · 23 overlaps, 23 clocks a pin and 8; a period of 230 Hz; a
+    pass of 100 pins; 128 bits at 6 MHz with a pause of a bit after 8, and 48 clocks."""
+    from meissner.budget import display
+
+    found = display.of_config(config.load("display"))
+    terms = {"render": 8 * 23 + 100 * 23 + 8, "wait": 104_348, "limits": 100, "shift": 16 * 9 * 4 + 48}
+    assert found["terms_clocks"] == terms and found["within_2_ms"] and found["render_within_a_frame"]
+    assert set(terms) <= set(display.NAMES)
