@@ -94,7 +94,8 @@ module msn_display #(
     );
 
     // A host's frame: words of three levels.
-    logic        word_valid, word_ready, word_last, row_last, sent_valid, sent_last, unused_ready, unused_half;
+    logic        word_valid, word_ready, word_last, row_last, sent_valid, sent_last;
+    logic        unused_ready, unused_half;
     logic [23:0] word;
     logic [7:0]  sent, beat;
     logic [msn_pkg::index_width(Pins)-1:0] unused_id;
@@ -130,16 +131,18 @@ module msn_display #(
       .hv_data_o, .hv_clk_o, .hv_le_o, .hv_bl_o, .hv_pol_o, .hv_dir_o,
       .running_o(running), .wrap_o(unused_wrap), .pins_o(pins), .limited_o(limited), .dropped_o(dropped)
     );
-    assign status_o = {8'(PinRows), 8'(PinColumns), 8'(AmplitudeBits), running, fault, limited, 12'(pins), dropped, faults};
+    assign status_o = {8'(PinRows), 8'(PinColumns), 8'(AmplitudeBits), running, fault, limited, 12'(pins),
+                       dropped, faults};
 
     logic unused;
-    assign unused = ^{sensor_i, cop_i, octant, unused_busy, unused_ready, unused_half, unused_id, unused_wrap};
+    assign unused = ^{sensor_i, cop_i, octant, unused_busy, unused_ready, unused_half, unused_id,
+                      unused_wrap};
   end else begin : gen_none
     assign {status_o, hv_data_o, hv_clk_o, hv_le_o, hv_bl_o, hv_dir_o} = '0;
     assign hv_pol_o = 1'b1;
     logic unused;
-    assign unused = ^{clk_i, rst_i, cfg_i, image_valid_i, image_data_i, image_last_i, cop_valid_i, cop_i, slip_i,
-                      raised_i, octant_i, sensor_i};
+    assign unused = ^{clk_i, rst_i, cfg_i, image_valid_i, image_data_i, image_last_i, cop_valid_i, cop_i,
+                      slip_i, raised_i, octant_i, sensor_i};
   end
 
 endmodule

@@ -65,7 +65,7 @@ module msn_pin_display #(
   localparam int unsigned Lead       = Pins + ChainBits / 8 * 9 * 2 * Half + 48;  // of msn_pin_shift
   localparam int unsigned SlotClocks = 32'(64'(ClkKhz) * 1000 / (64'(MaxHz) << SlotBits));
   if (SlotClocks < Lead + 8) begin : gen_check_slot
-    $fatal(1, "msn_pin_display: AmplitudeBits = %0d makes slots of %0d clocks, which must be at least %0d for a load",
+    $fatal(1, "msn_pin_display: AmplitudeBits = %0d makes slots of %0d clocks but a load needs %0d",
            AmplitudeBits, SlotClocks, Lead + 8);
   end
 
@@ -82,8 +82,8 @@ module msn_pin_display #(
   assign dropped_o = dropped[15:0];
   msn_image_store #(.Taxels(Pins)) u_frames (
     .clk_i, .rst_i, .in_valid_i, .in_data_i(16'(in_level)), .in_last_i, .in_time_i('0),
-    .read_valid_o(frame_valid), .read_time_o(unused_time), .read_begun_i(frame_begun), .read_done_i(frame_done),
-    .read_address_i(frame_place), .read_data_o(frame_level), .dropped_o(dropped)
+    .read_valid_o(frame_valid), .read_time_o(unused_time), .read_begun_i(frame_begun),
+    .read_done_i(frame_done), .read_address_i(frame_place), .read_data_o(frame_level), .dropped_o(dropped)
   );
 
   logic                off, begins, step, silent, burst, turn, limits_busy, limits_idle, shift_busy;

@@ -71,7 +71,7 @@ module msn_pin_limits #(
   logic [3:0]           valid, last;      // of the four stages
   logic [PlaceBits-1:0] place, write_place;
   logic [2:0]           seventh;
-  logic                 full;             // eight sevenths have ended since the reset: before, the ring holds nothing
+  logic                 full;             // eight sevenths have ended since reset: before, the ring is empty
   assign final_place   = place == LastPlace;
   assign go            = begin_i || (!reading && valid == '0 && (closing || (!running_i && due)));
   assign busy_o        = reading || valid != '0 || closing;
@@ -153,8 +153,8 @@ module msn_pin_limits #(
   logic [PinBits-1:0] counted;
   logic               keeps_off;
   assign asks        = level_b != '0;
-  assign may         = asks && !none_allowed && total_b <= allowed && run_b <= cfg_watchdog_i && cfg_top_i != '0
-                       && 12'(counted) < cfg_most_i;
+  assign may         = asks && !none_allowed && total_b <= allowed && run_b <= cfg_watchdog_i &&
+                       cfg_top_i != '0 && 12'(counted) < cfg_most_i;
   assign drive       = may && drives;
   assign out_valid_o = valid[3] && compose;
   assign out_last_o  = last[3];

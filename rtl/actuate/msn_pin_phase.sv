@@ -56,14 +56,15 @@ module msn_pin_phase #(
     $fatal(1, "msn_pin_phase: ClkKhz = %0d must lie in 1 .. 1000000", ClkKhz);
   end
   if (MinHz < 1 || MinHz > MaxHz || 64'(MaxHz) * 512 > ClkHz) begin : gen_check_hz
-    $fatal(1, "msn_pin_phase: MinHz = %0d must be 1 or more, MaxHz = %0d must not be below it, nor above ClkHz / 512",
+    $fatal(1, "msn_pin_phase: MinHz = %0d must be 1 or more, MaxHz = %0d not below it nor above ClkHz / 512",
            MinHz, MaxHz);
   end
   if (SlotBits < 2 || SlotBits > 7) begin : gen_check_slot_bits
     $fatal(1, "msn_pin_phase: SlotBits = %0d must lie in 2 .. 7", SlotBits);
   end
   if (TickClocks < 1 || 64'(TickClocks) * 4 * 64'(MaxHz) > ClkHz) begin : gen_check_tick_clocks
-    $fatal(1, "msn_pin_phase: TickClocks = %0d must be 1 or more, at most a quarter of a period at MaxHz", TickClocks);
+    $fatal(1, "msn_pin_phase: TickClocks = %0d must be 1 or more, at most a quarter of a period at MaxHz",
+           TickClocks);
   end
   if (Ticks < 2 || Ticks > 5715 || 64'(Ticks) * 64'(TickClocks) * 64'(MinHz) < ClkHz) begin : gen_check_ticks
     $fatal(1, "msn_pin_phase: Ticks = %0d must lie in 2 .. 5715 and last a period at MinHz or longer", Ticks);

@@ -249,7 +249,7 @@ module msn_render #(
       end
     end
     logic unused;
-    assign unused = ^{unused_time, unused_dropped, due};
+    assign unused = ^{unused_time, unused_dropped, due, product};
   end else begin : gen_none
     assign start = due && !busy_o && !out_valid_o;
     assign known = ask;
