@@ -256,6 +256,25 @@ async def keeps_the_newest_whole_frame(dut):
     assert np.flatnonzero(here.changes(0)[-1][1]).tolist() == [3]
 
 
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_frame_that_ends_as_the_last_one_is_read_again_waits(dut):
+    """In any clock of the pass that finds a period's levels: the period shows the old frame whole."""
+    size = size_of(dut)
+    here = await Bench().start(dut, DisplaySettings(increment=size.limits[0]))
+    half, period = size.pins // 2, -(-WRAP // size.limits[0])
+    frames = [[255] * half + [0] * (size.pins - half), [0] * half + [255] * (size.pins - half)]
+    await here.frame(frames[0])
+    await here.wrap()
+    for turn, place in enumerate((1, 2, half, size.pins - 2, size.pins)):
+        begins = await here.wrap() - size.lead + period
+        await bench.clocks(dut, begins + place - size.pins - here.clock)
+        await here.frame(frames[1 - turn % 2])
+        for shown in (frames[turn % 2], frames[1 - turn % 2]):
+            await here.wrap()
+            await bench.clocks(dut, 3)
+            assert list(here.changes(0)[-1][1]) == [int(level > 0) for level in shown], place
+
+
 EVIDENCE = {
     "equivalence": {"boxes": True},
     "faults": {"none": "no frames leave: those of its blocks are injected there"},

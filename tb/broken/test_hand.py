@@ -229,4 +229,4 @@ def test_the_verdict_says_what_fell(sound):
     assert answer(two).startswith(
         "The object was dropped in 2 of 4 runs (95 % interval up to 90 %); the grip"
     )
-    assert words.cell("dropped_interval", [0.0, 0.5]) == "0 to 50"
+    assert words.cell("dropped_interval", [0.0, 0.5]) == "0\u00a0to\u00a050"

@@ -84,8 +84,9 @@ def test_recorded_samples_give_the_same_bytes(tmp_path, capsys, monkeypatch, par
         given = ["process", part, str(tmp_path / "in.npy"), *more, "--engine", engine, "--jobs", str(jobs)]
         cli.main([*given, "--out", str(names[-1])])
     assert len({name.read_bytes() for name in names}) == 1
-    said = [line.split(";")[0] for line in capsys.readouterr().out.splitlines()]
-    assert len(set(said)) == 1 and said[0].startswith(str(shape[0]))
+    said = capsys.readouterr().out.splitlines()
+    read, done = set(said[::2]), {line.split(";")[0] for line in said[1::2]}
+    assert len(read) == len(done) == 1 and done.pop().startswith(str(shape[0]))
 
 
 def test_results_come_in_the_order_of_the_tasks():

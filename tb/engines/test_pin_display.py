@@ -34,7 +34,7 @@ def test_which_pins_are_driven(engine, hz, top, most, burst):
             on = may and k > 0 and (burst[0] == 0 or (k - 1) % burst[0] < burst[1])
             shown.append(min(level, top, 1) if on else 0)
         levels.append(shown)
-        limited.append(kept)
+        limited.append(kept > 0)
     found = of_pins.ENGINES[engine](frames, SIZE, settings)
     assert found.levels.tolist() == levels and found.limited.tolist() == limited
     start = [(at - found.start[1]) for at in found.start[1:].tolist()]

@@ -35,6 +35,23 @@ async def matches_model(dut, stall_rate):
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def offers_the_first_feature_to_a_follower_that_is_not_ready(dut):
+    """In the third clock after the frame's last sample, for as long as it is not taken."""
+    channels, _, window = parameters(dut)
+    await bench.start(dut, out_ready_i=0)
+    dut.in_valid_i.value = 1
+    for beat in bench.frames(data=np.arange(channels * (window + 1)).reshape(-1, channels).T):
+        bench.offer(dut, beat)
+        await bench.RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    for clock in range(9):
+        await bench.ReadOnly()
+        assert bench.read(dut.out_valid_o) == (clock >= 2)
+        assert clock < 2 or bench.as_signed(bench.read(dut.out_data_o), len(dut.out_data_o)) == channels
+        await bench.RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def sends_a_window_in_as_many_clocks_and_takes_no_sample_meanwhile(dut):
     """The first feature is offered 3 clocks after the frame's last sample; then one a clock."""
     channels, _, window = parameters(dut)

@@ -131,7 +131,7 @@ ROWS = [(0.5, -3, 117963), (np.nextafter(0.5, 1), -2, 65535), (0.50001, -3, 7864
 @pytest.mark.parametrize("engine", ["float", "fixed"])
 def test_votes_by_hand(engine, tmp_path, capsys):
     file.write(tmp_path / "F.json", by_hand())
-    (tmp_path / "x.csv").write_text("v,u\r\n" + "".join(f"{v},{u!r}\r\n" for u, v, _ in ROWS))
+    (tmp_path / "x.csv").write_text("v,u\r\n" + "".join(f"{v},{float(u)!r}\r\n" for u, v, _ in ROWS))
     given = (tmp_path / "x.csv", "--forest", tmp_path / "F.json", "--engine", engine)
     text = run(capsys, *given, "--out", tmp_path / "o.csv")
     with (tmp_path / "o.csv").open(newline="", encoding="utf-8") as table:

@@ -49,7 +49,7 @@ def test_it_draws_and_updates_and_a_threshold_changes_the_flags(browser):
         page.until("meissner.firstPicture !== null")
         for panel in ("signal", "states", "settings", "events", "link"):
             page.until(SHOWN % panel)
-        for panel in ("touch", "load", "grip"):
+        for panel in ("touch", "load", "grip", "forest", "pins"):
             assert not page.do(SHOWN % panel)
         page.until(f"{INK % 'signal'} > 0.01")
         before = page.do("meissner.newest")

@@ -16,7 +16,6 @@ from meissner.engines.protocol import Engine
 from meissner.inputs import check_codes, check_electrodes, check_forces, check_min_load, check_samples
 from meissner.names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
 from meissner.twins.slip.config import SAMPLE_BITS, SlipConfig
-from meissner.twins.slip.slip import State
 
 if TYPE_CHECKING:
     from meissner.calibration import Calibration
@@ -123,6 +122,8 @@ def process_slip(x: ArrayLike, config: SlipConfig, engine: str, states: bool = F
 
 def _states(found: Watched, level: int) -> Arrays:
     """``state`` and ``raised_at`` [channels, windows] of ``process_slip``."""
+    from meissner.twins.slip.slip import State  # here: scenes without slip do not load it
+
     ends = np.flatnonzero(found.end)
     slipping = (found.state == State.INCIPIENT) | (found.state == State.GROSS)
     raised = slipping.copy()

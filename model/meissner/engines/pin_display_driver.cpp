@@ -37,7 +37,7 @@ struct Drivers {
 extern "C" {
 
 // Show `frames` frames of `pins` levels, each sent as soon as the period before has begun at the pins. For each period:
-// the level of each pin, by the slots in which it is high; the clock in which it begins; the pins that a limit keeps
+// the level of each pin, by the slots in which it is high; the clock in which it begins; whether a limit keeps a pin
 // off. `settings`: increment, burst_period, burst_on, top, most, duty, watchdog, stop. `wait`: clocks for a period.
 int64_t pin_display(const uint8_t *frames, int64_t periods, int32_t pins, int32_t chains, int32_t chain_pins,
                     int32_t chain_bits, const int64_t *settings, int64_t wait, int32_t *levels, int64_t *starts,

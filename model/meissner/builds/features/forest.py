@@ -9,7 +9,6 @@ from msgspec import Meta
 
 from meissner.forest import cost, file, words
 from meissner.tables import Table
-from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 if TYPE_CHECKING:
     from meissner.builds.build import Config
@@ -130,6 +129,8 @@ class Forest:
 def check(base: "Config") -> None:
     if base.serial or not base.link.registers:
         raise ValueError("[forest] must go with serial = false and registers = true, which load it")
+    from meissner.twins.forest.sdram import BANK_WORDS, BANKS  # here: builds without a forest do not load it
+
     forest: Forest = base.features["forest"]
     if forest.frames and base.kind not in ("channels", "array"):
         raise ValueError(f"[forest]: source = 'frames' must be 'host' with kind = '{base.kind}'")

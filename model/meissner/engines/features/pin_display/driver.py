@@ -5,7 +5,7 @@ from collections.abc import Hashable
 
 import numpy as np
 
-from meissner.arrays import Ints
+from meissner.arrays import Bools, Ints
 from meissner.engines import verilated
 from meissner.engines.features.pin_display import TOP
 from meissner.twins.actuate.pin_display import PHASE_BITS, DisplaySettings, DisplaySize
@@ -20,8 +20,8 @@ def _open(*values: Hashable) -> ctypes.CDLL:
     return lib
 
 
-def display(frames: Ints, size: DisplaySize, settings: DisplaySettings) -> tuple[Ints, Ints, Ints]:
-    """Levels, starts and limited pins of each period, as engines.Shown has them."""
+def display(frames: Ints, size: DisplaySize, settings: DisplaySettings) -> tuple[Ints, Ints, Bools]:
+    """Levels, start and limits of each period, as engines.Shown has them."""
     periods, pins = frames.shape
     sent = np.ascontiguousarray(frames, dtype=np.uint8)
     levels, limited = np.zeros((periods, pins), np.int32), np.zeros(periods, np.int32)
@@ -36,4 +36,4 @@ def display(frames: Ints, size: DisplaySize, settings: DisplaySettings) -> tuple
     verilated.check_room(clocks)
     if clocks < 0:
         raise RuntimeError("the display did not show every frame")
-    return levels.astype(np.int64), starts - starts[:1], limited.astype(np.int64)
+    return levels.astype(np.int64), starts - starts[:1], limited > 0

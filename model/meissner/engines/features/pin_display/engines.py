@@ -8,17 +8,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meissner.arrays import Floats, Ints
+from meissner.arrays import Bools, Floats, Ints
 from meissner.twins.actuate.pin_display import PHASE_BITS, DisplaySettings, DisplaySize, PinDisplay
 
 
 class Shown(NamedTuple):
     """``levels`` [periods, pins] driven; ``start`` [periods]: clocks from the first period's beginning to
-    each; ``limited`` [periods]: pins that a limit keeps off."""
+    each; ``limited`` [periods]: a limit keeps a pin off."""
 
     levels: Ints
     start: Ints | Floats
-    limited: Ints
+    limited: Bools
 
 
 def fixed(frames: Ints, size: DisplaySize, settings: DisplaySettings) -> Shown:
@@ -28,7 +28,7 @@ def fixed(frames: Ints, size: DisplaySize, settings: DisplaySettings) -> Shown:
     found = [display.next(frame) for frame in frames]
     start = np.array([one.start for one in found], dtype=np.int64)
     levels = np.array([one.levels for one in found], dtype=np.int64).reshape(frames.shape)
-    return Shown(levels, start - start[:1], np.array([one.limited for one in found], dtype=np.int64))
+    return Shown(levels, start - start[:1], np.array([one.limited for one in found], dtype=bool))
 
 
 def float_(frames: Ints, size: DisplaySize, settings: DisplaySettings) -> Shown:
@@ -43,7 +43,7 @@ def float_(frames: Ints, size: DisplaySize, settings: DisplaySettings) -> Shown:
     if settings.burst_period:
         on &= (periods - 1) % settings.burst_period < settings.burst_on
     levels = np.where(may & on[:, None], np.minimum(frames, top), 0)
-    return Shown(levels, periods * (1000 * size.clk_khz / hz), ((frames > 0) & ~may).sum(axis=1))
+    return Shown(levels, periods * (1000 * size.clk_khz / hz), ((frames > 0) & ~may).any(axis=1))
 
 
 def rtl(frames: Ints, size: DisplaySize, settings: DisplaySettings) -> Shown:

@@ -8,7 +8,7 @@ on("ClassChange", row => classes.push(row.t, row.label, row.votes / 65535));
 
 panel({
   id: "forest", title: "Class of the forest",
-  shown: () => classes.length > 0 || (page.registers.now("forest.label") ?? 65535) !== 65535,
+  shown: () => classes.length > 0 || page.registers.now("forest.best") > 0,
   begin() { classes.clear(); },
   build(body, title) {
     sub = title.appendChild(make("small"));
