@@ -143,28 +143,27 @@ def fit(largest, window_s):
             "the recording never moves: p2p is 0 codes in every window; is the sensor connected?"
         )
     size = max(LEAST_WINDOWS, len(largest) // MOST_BLOCKS)
-    while True:
-        count = len(largest) // size
-        if count < LEAST_BLOCKS:
-            need = LEAST_BLOCKS * size * window_s
-            why = "" if size == LEAST_WINDOWS else f" (noise correlated over {size * window_s / 2:.3g} s)"
-            raise ValueError(
-                f"{len(largest) * window_s:.3g} s of hold{why} are too short to promise anything: "
-                f"{need:.3g} s or more are needed"
-            )
+    while (count := len(largest) // size) >= LEAST_BLOCKS:
         blocks = largest[: count * size].reshape(count, size).max(axis=1)
-        halves = blocks[: count // 2], blocks[count // 2 :]
-        if np.ptp(blocks) and mannwhitneyu(*halves).pvalue < UNLIKELY:
-            medians = [np.median(half) for half in halves]
-            raise ValueError(
-                f"the recording is no quiet hold: the largest p2p of {size * window_s:.3g} s is "
-                f"{medians[0]:g} "
-                f"codes in the median of its first half and {medians[1]:g} of its second"
-            )
         ranks = rankdata(blocks)
         if not np.ptp(blocks) or np.corrcoef(ranks[:-1], ranks[1:])[0, 1] * count**0.5 < CORRELATED:
             break
         size *= 2
+    if len(largest) < LEAST_BLOCKS * LEAST_WINDOWS:
+        blocks = largest[:0]
+    halves = blocks[: len(blocks) // 2], blocks[len(blocks) // 2 :]
+    if len(blocks) and np.ptp(blocks) and mannwhitneyu(*halves).pvalue < UNLIKELY:
+        medians = [np.median(half) for half in halves]
+        raise ValueError(
+            f"the recording is no quiet hold: the median of the largest p2p of blocks is {medians[0]:g} "
+            f"codes in its first half and {medians[1]:g} in its second"
+        )
+    if count < LEAST_BLOCKS:
+        why = "" if size == LEAST_WINDOWS else f" (noise correlated over {size * window_s / 2:.3g} s)"
+        raise ValueError(
+            f"{len(largest) * window_s:.3g} s of hold{why} are too short to promise anything: "
+            f"{LEAST_BLOCKS * size * window_s:.3g} s or more are needed"
+        )
     values, counts = np.unique(blocks, return_counts=True)
     spread = max(blocks.std() * 6**0.5 / np.pi, 0.2)
     cost = lambda p: (

@@ -40,10 +40,14 @@ TAILS = ("normal", "coarse", "exponential", "heavy", "memory")
 def missed(tail, seeds):
     """Of quiet holds of 64 s at 60 alarms an hour, one per hold: how many promise less, and more, than 64
     minutes of fresh noise have. A count scatters, too: only one that no rate of the interval gives counts."""
-    above = below = 0
+    above = below = refused = 0
     for seed in seeds:
         rng = np.random.default_rng(seed)
-        law = threshold.fit(p2p(rng, 10_000, tail), WINDOW_S)
+        try:
+            law = threshold.fit(p2p(rng, 10_000, tail), WINDOW_S)
+        except ValueError:  # a loudness that happens to drift is no quiet hold
+            refused += 1
+            continue
         found = threshold.smallest(law, 60.0, 1 << 20)
         low, high = law.interval(found)
         assert low <= law.rate(found) <= high <= 60 * 1.002
@@ -53,20 +57,20 @@ def missed(tail, seeds):
         count, hours = (blocks > found).sum(), len(blocks) * law.block_s / 3600
         above += poisson.sf(count - 1, high * hours) < 0.025
         below += poisson.cdf(count, low * hours) < 0.025
-    return above, below
+    return above, below, refused
 
 
 @pytest.mark.parametrize("tail", TAILS)
 def test_the_promise_holds_on_fresh_noise(tail):
-    assert missed(tail, range(2)) == (0, 0)
+    assert missed(tail, range(2)) == (0, 0, 0)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("tail", TAILS)
 def test_the_promise_holds_as_often_as_it_says(tail):
     """95 % may leave out one of 40 at each end; five or more are as likely as 1 in 300."""
-    above, below = missed(tail, range(40))
-    assert above <= 4 and below <= 4
+    above, below, refused = missed(tail, range(40))
+    assert above <= 4 and below <= 4 and refused <= 4 * (tail == "memory")
 
 
 def test_the_law_is_that_of_another_library():
