@@ -56,7 +56,7 @@ module msn_pin_phase #(
     $fatal(1, "msn_pin_phase: ClkKhz = %0d must lie in 1 .. 1000000", ClkKhz);
   end
   if (MinHz < 1 || MinHz > MaxHz || 64'(MaxHz) * 512 > ClkHz) begin : gen_check_hz
-    $fatal(1, "msn_pin_phase: MinHz = %0d must be 1 or more, MaxHz = %0d not below it nor above ClkHz / 512",
+    $fatal(1, "msn_pin_phase: MinHz = %0d must be 1 or more, MaxHz = %0d must lie from it to ClkHz / 512",
            MinHz, MaxHz);
   end
   if (SlotBits < 2 || SlotBits > 7) begin : gen_check_slot_bits
