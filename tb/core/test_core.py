@@ -53,6 +53,7 @@ CASES = {
         "array": {"health": True, "newtons_per_count": 1e-3 / 16},
         "health": {"edges": True},
         "slip": SLIP_N,
+        "display": {"rows": 2, "columns": 3, "amplitude_bits": 3, "most_pins": 4},
         "link": {"baud": 1_000_000, "images": True, "statistics": False},
     },
     "channels": {
@@ -123,7 +124,7 @@ PARTS = {  # parts whose wires a core has
     "smallest": ("acquire", "slip", "sender", "flags"),
 }
 IS = {  # rows, columns, groups of registers
-    "array": (ROWS, COLUMNS, "slip scan health tare calibrate cop link"),
+    "array": (ROWS, COLUMNS, "slip scan health tare calibrate cop link display"),
     "channels": (1, 3, "adc slip link"),
     "electrodes": (1, 4, "adc cop4 cop_slip link"),
     "hand": (1, 2, "adc slip link grip shear_speed forest"),
