@@ -96,9 +96,10 @@ def samples(arguments, path=None, build=None, calibrated=None):
     array = build is not None and build.array is not None
     shape = build.shape if array and calibrated is not None and arguments.shape is None else arguments.shape
     found = take(arguments, path, shape=shape)
-    if build is not None and build.kind == "channels" and len(found.flat().values) > build.channels:
+    count = len(found.values) if found.values.ndim == 2 else 1
+    if build is not None and build.kind == "channels" and count > build.channels:
         raise ValueError(
-            f"{found.path} has {len(found.flat().values)} channels, {', '.join(found.names[:8])}, and "
+            f"{found.path} has {count} channels, {', '.join(found.names[:8])}, and "
             f"{arguments.config} {build.channels}: choose with --column"
         )
     rate_hz, told = rate_of(found, build, arguments.config)
