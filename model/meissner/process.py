@@ -81,9 +81,8 @@ def rate_of(recording, build, name):
         return build.rate_hz, f"; {build.rate_hz:g} Hz by {name}"
     if build is not None and abs(recording.rate_hz - build.rate_hz) > RATE_ERROR * build.rate_hz:
         raise ValueError(
-            f"{recording.path} has {recording.rate_hz:.6g} Hz and {name} {build.rate_hz:g} Hz: windows and "
-            "times "
-            "would mean something else"
+            f"{recording.said}; {name} has {build.rate_hz:g} Hz: windows and times would mean something "
+            "else. Change rate_hz, or give --rate if the recording's rate is another"
         )
     return recording.rate_hz, ""
 
@@ -97,6 +96,12 @@ def samples(arguments, path=None, build=None, calibrated=None):
     array = build is not None and build.array is not None
     shape = build.shape if array and calibrated is not None and arguments.shape is None else arguments.shape
     found = take(arguments, path, shape=shape)
+    count = len(found.values) if found.values.ndim == 2 else 1
+    if build is not None and build.kind == "channels" and count > build.channels:
+        raise ValueError(
+            f"{found.path} has {count} channels, {', '.join(found.names[:8])}, and "
+            f"{arguments.config} {build.channels}: choose with --column"
+        )
     rate_hz, told = rate_of(found, build, arguments.config)
     per_code = arguments.volts_per_code
     if array and calibrated is None:

@@ -302,7 +302,8 @@ def command(arguments):
     ]
     if slips is not None:
         lines.append(_of_slips(slips, threshold, config, rate_hz))
-    names = {"threshold": (threshold, f"at most {arguments.per_hour:g} false alarms an hour")}
+    alarms = f"false alarm{'s' * (arguments.per_hour != 1)}"
+    names = {"threshold": (threshold, f"at most {arguments.per_hour:g} {alarms} an hour")}
     names["gross_threshold"] = gross, why
     names["keep_threshold"] = keep, f"{100 * np.mean(p2p > keep):.2g} % of the quiet windows exceed it"
     unit, lsb = _unit(arguments, build)

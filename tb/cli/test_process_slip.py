@@ -142,6 +142,7 @@ window: own.csv --config mine.toml --window 64
 threshold: own.csv --config mine.toml --threshold 4
 slip: own.csv --config cop4
 8000: codes.csv --config mine.toml --rate 10000
+--column: own.csv --config slip1
 converter: codes.csv --config mine.toml --unit codes --column 2
 calibration: own.csv --config fingertip --rate 4000
 --config: own.csv --threshold 4 --calibration cal.npz

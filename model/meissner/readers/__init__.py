@@ -114,7 +114,7 @@ class Recording:
                 "codes or volts: choose columns with --column, or say what they are with --unit"
             )
         if self.audio and not self.unit:
-            self._refuse(
+            raise ValueError(
                 f"{self.said}; the numbers of a WAV file are shares of full scale, neither volts nor codes: "
                 "--unit codes takes them as codes, --unit V as volts"
             )

@@ -131,7 +131,7 @@ on("hello", head => {
   page.newest = head.t;
   document.getElementById("title").textContent = head.title;
   document.title = `${head.title} – Meissner`;
-  for (const [channel, [state, p2p]] of Object.entries(head.now.states)) page.states.push(+channel, -Infinity, {state, p2p});
+  for (const [channel, [state, p2p, since]] of Object.entries(head.now.states)) page.states.push(+channel, -Infinity, {state, p2p, since});
   for (const [taxel, faults] of Object.entries(head.now.health)) page.health.set(+taxel, faults);
   for (const [name, value] of Object.entries(head.now.statistics)) page.statistics.set(name, value);
   for (const [name, value] of Object.entries(head.now.register ?? {})) page.registers.push(name, -Infinity, value);
@@ -172,12 +172,17 @@ function event(t, text, state) {
   if (page.events.length > 500) page.events.splice(0, 250);
 }
 const amount = row => row.p2p_v !== null ? `${number(1e3 * row.p2p_v, 3)} mV` : row.p2p_n !== null ? `${number(1e3 * row.p2p_n, 3)} mN` : `${row.p2p}`;
+function stateFrom(channel, t, value, before) {  // a viewer that joins gets the newest state, then older changes: it did not hold before these
+  const list = page.states.of.get(channel), first = list?.[0];
+  if (list?.length === 1 && first.t === -Infinity && t <= first.value.since) first.value = {state: before, p2p: null};
+  page.states.push(channel, t, value);
+}
 on("SlipEvent", row => {
-  page.states.push(row.channel, row.t, {state: row.state, p2p: row.p2p});
+  stateFrom(row.channel, row.t, {state: row.state, p2p: row.p2p}, 1);  // a slip begins in contact
   event(row.t, `channel ${channelName(row.channel)}: slip, ${stateName(row.state)}, peak-to-peak ${amount(row)}`, row.state);
 });
 on("StateChange", row => {
-  page.states.push(row.channel, row.t, {state: row.state, p2p: row.p2p});
+  stateFrom(row.channel, row.t, {state: row.state, p2p: row.p2p}, row.before);
   if ((page.hello.core.rows ?? 1) > 1 && !page.traces.size && row.state !== 2 && row.state !== 3) return;  // a press on an array changes too many
   event(row.t, `channel ${channelName(row.channel)}: ${stateName(row.before)} to ${stateName(row.state)}`, row.state);
 });
