@@ -63,7 +63,7 @@ async def matches_model_and_mirrors(dut, stall_rate):
         assert (upturned["x"], upturned["y"]) == (plain["x"], -plain["y"])
 
 
-@bench.applies(lambda dut: not small(dut))
+@bench.applies(lambda dut: not small(dut), long=True)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def large_array_matches_model(dut):
     rows, columns, lanes, fraction_bits, _ = parameters(dut)

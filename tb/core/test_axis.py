@@ -447,7 +447,7 @@ async def an_image_is_of_one_frame(dut):
     assert len(got) == len(due)
 
 
-@bench.applies(lambda dut: number(dut, "Display"))
+@bench.applies(lambda dut: number(dut, "Display"), long=True)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def what_it_feels_and_a_hosts_frame_are_on_pins(dut):
     """By the model, at the drivers' outputs; the limits can be read only, a damaged taxel is a fault."""
@@ -494,7 +494,7 @@ async def what_it_feels_and_a_hosts_frame_are_on_pins(dut):
     assert not bench.high(dut.hv_bl_o) and bench.high(dut.hv_pol_o) and not any(driver.outputs)
 
 
-@bench.applies(lambda dut: number(dut, "Forest"))
+@bench.applies(lambda dut: number(dut, "Forest"), long=True)
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_forest_decides_and_the_hand_closes(dut):
     """Loaded over the registers: from frames to forces, differences, classes, packets with their frames'

@@ -55,6 +55,7 @@ async def listen(dut, decoder, found):
             await RisingEdge(dut.clk)
 
 
+@bench.applies(lambda dut: True, long=True)
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def works_as_a_peripheral(dut):
     for name in ("bus_adr", "bus_dat_w", "bus_sel", "bus_cyc", "bus_stb", "bus_we", "sim_trace"):
