@@ -44,7 +44,7 @@ class Page:
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
-    def until(self, script, timeout_s=60):
+    def until(self, script, timeout_s=500):
         end = time.monotonic() + timeout_s
         while not (found := self.do(script)):
             assert time.monotonic() < end, (script, self.do("document.body.innerText"), self._browser.wrong)

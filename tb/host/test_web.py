@@ -206,7 +206,7 @@ def test_a_body_is_bounded(address):
     assert ask(address, "POST", "/set", {"name": "x" * 5000, "value": 1})[0] == 413
     for length, status in (("4097", 413), ("-1", 413), ("x", 413), ("1e3", 413)):
         assert ask(address, "POST", "/set", Content_Length=length)[0] == status
-    with socket.create_connection(address, timeout=30) as line:  # bytes that are no JSON, nor text
+    with socket.create_connection(address, timeout=500) as line:  # bytes that are no JSON, nor text
         host = f"{address[0]}:{address[1]}"
         head = f"POST /set HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n"
         line.sendall(
@@ -435,7 +435,7 @@ def test_the_command_shows_a_page_until_it_is_stopped(kind, tmp_path):
                         address, "POST", "/set", {"name": "cop.min_load", "value": 1}
                     )[1]  # fmt: skip
             child.send_signal(signal.SIGINT)
-            _, err = child.communicate(timeout=60)
+            _, err = child.communicate(timeout=500)
         finally:
             child.kill()
     assert child.returncode == 0 and "Traceback" not in err, err

@@ -96,7 +96,7 @@ def test_pause_scroll_save_and_keys(browser, tmp_path):
         page.call("Page.setDownloadBehavior", where)
         page.key("s", "s")
         page.until("document.getElementById('notice').textContent.startsWith('saved as')")
-        end = time.monotonic() + 60
+        end = time.monotonic() + 500
         while not (found := list(tmp_path.glob("*.mcap"))) and time.monotonic() < end:
             time.sleep(0.05)
         from meissner.host import log
