@@ -99,7 +99,7 @@ def resident_mb():
 
 def ask(address, method, path, body=None, **headers):
     """(status, content or the sentence of a refusal)."""
-    line = http.client.HTTPConnection(*address, timeout=30)
+    line = http.client.HTTPConnection(*address, timeout=500)
     own = f"{address[0]}:{address[1]}"
     given = {"Host": own, "Origin": f"http://{own}", "Content-Type": "application/json"}
     given |= {name.replace("_", "-"): value for name, value in headers.items()}
