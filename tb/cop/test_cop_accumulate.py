@@ -92,7 +92,7 @@ async def matches_model(dut, stall_rate):
     assert bench.read(dut.damaged_o) == 0
 
 
-@bench.applies(lambda dut: not small(dut))
+@bench.applies(lambda dut: not small(dut), long=True)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def large_array_matches_model(dut):
     rows, columns, lanes = parameters(dut)

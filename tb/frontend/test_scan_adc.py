@@ -227,7 +227,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
     dut._log.info(f"settle {settle}: frame {us[1]:.1f} us, first convert to last beat {us[0]:.1f} us")
 
 
-@bench.applies(lambda dut: twin_of(dut).part.has_busy and twin_of(dut).lanes > 1)
+@bench.applies(lambda dut: twin_of(dut).part.has_busy and twin_of(dut).lanes > 1, long=True)
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def parts_that_share_their_lines_are_read_together(dut):
     """One CS, SCLK, CONVST and RESET for all parts, each of which converts as long as it likes."""
