@@ -97,7 +97,7 @@ class Core:
         self._down: float | None = None  # since when
         self._reason, self._try_at, self._wait_s = "", 0.0, FIRST_WAIT_S
         self._ended = False
-        self.after_reset: Callable[[], object] = lambda: None  # called when the settings are written again
+        self._loaded: dict[str, Callable[[], object]] = {}  # tables, and what loads each again
         if registers:
             try:
                 self.identify()
@@ -448,6 +448,13 @@ class Core:
         self._assembler.restart()
         self.counts.images_lost = self._assembler.images_lost
 
+    def keep(self, what: str, load: Callable[[], object]) -> None:
+        """Call ``load`` after each reset, which writes ``what`` into the core again, until ``forget``."""
+        self._loaded[what] = load
+
+    def forget(self, what: str) -> None:
+        self._loaded.pop(what, None)
+
     def _restore(self) -> bool:
         """Write the settings again that this host had written; returns whether that succeeded."""
         known = [item for item in self._written.values() if self._has(item[0].group)]
@@ -461,7 +468,13 @@ class Core:
         again = f": {len(known)} settings were written again" if self.registers else ""
         self._resets = 0
         self.say(f"the core on {self.line.name} was reset{times}{again}")
-        self.after_reset()
+        for what, load in [*self._loaded.items()]:
+            try:
+                load()
+            except (ValueError, OSError) as problem:
+                self.say(f"{what} is not in the core on {self.line.name} any more: {problem}")
+            else:
+                self.say(f"{what} was written into the core on {self.line.name} again")
         return True
 
     def _has(self, group: Group) -> bool:

@@ -16,6 +16,7 @@ from meissner.host.core import Core
 from meissner.host.load import TRIES, wait
 from meissner.twins.forest.sdram import BANK_WORDS, WORDS
 
+WHAT = "the forest"
 RUN = 256  # writes that are done again if one of them was sent twice
 Row = tuple[int, int, int, int]  # kind, engine, address, data (rtl/forest/msn_forest.sv)
 
@@ -32,8 +33,7 @@ def load(core: Core, model: Model) -> None:
     """
     model = words.without_missing(model)[0]
     check(core, model)
-    before = core.after_reset
-    core.after_reset = lambda: None
+    core.forget(WHAT)
     rows = _rows(core, model)
     for _ in range(TRIES):
         restarts = core.counts.restarts
@@ -41,18 +41,7 @@ def load(core: Core, model: Model) -> None:
             break
     else:
         raise OSError("the core was reset, or lost writes, in each attempt to write its forest")
-
-    def again() -> None:
-        core.after_reset = before
-        before()
-        try:
-            load(core, model)
-        except (ValueError, OSError) as problem:
-            core.say(f"the forest is not in the core on {core.line.name} any more: {problem}")
-        else:
-            core.say(f"the forest was written into the core on {core.line.name} again")
-
-    core.after_reset = again
+    core.keep(WHAT, lambda: load(core, model))
 
 
 def check(core: Core, model: Model) -> None:

@@ -14,6 +14,7 @@ from meissner.calibration import GAIN_SHIFT, Calibration
 from meissner.host.core import Core
 
 SWAP_S = 5.0  # the longest wait for a frame's end, or for the end of an averaging
+WHAT = "the calibration"
 TRIES = 3  # if the core is reset meanwhile, or a swap had to be sent again
 ROW_COLUMN_BITS = 16  # of an offset where the tables are of rows and columns (core.widths)
 
@@ -29,7 +30,7 @@ def load(core: Core, lines: Calibration) -> None:
         If the core is reset again and again meanwhile, or does not answer.
     """
     check(core, lines)
-    core.after_reset = lambda: None
+    core.forget(WHAT)
     for _ in range(TRIES):
         restarts = core.counts.restarts
         if _write(core, lines) and core.counts.restarts == restarts:
@@ -39,16 +40,7 @@ def load(core: Core, lines: Calibration) -> None:
             "the core was reset, or did not answer in time, in each attempt to write its calibration"
         )
     core.units = replace(core.units, newtons_per_code=lines.force_lsb_n)
-    core.after_reset = lambda: _again(core, lines)
-
-
-def _again(core: Core, lines: Calibration) -> None:
-    try:
-        load(core, lines)
-    except (ValueError, OSError) as problem:
-        core.say(f"the calibration is not in the core on {core.line.name} any more: {problem}")
-    else:
-        core.say(f"the calibration was written into the core on {core.line.name} again")
+    core.keep(WHAT, lambda: load(core, lines))
 
 
 def check(core: Core, lines: Calibration) -> None:
