@@ -142,6 +142,23 @@ def test_every_cell_is_written_and_written_again_after_a_reset():
     assert said[-1] == "the calibration was written into the core on the simulated core again"
 
 
+def test_a_table_that_was_loaded_before_the_calibration_is_loaded_again_too():
+    model, lines, loads, said = Tables(), lines_of((3, 5)), [], []
+    with host.Core(line.Pipe(model), say=said.append, timeout_s=30.0) as core:
+        core.keep("another table", lambda: loads.append(core.counts.restarts))
+        load(core, lines)
+        list(core.packets(0.05))
+        model.restart()
+        for _ in core.packets(30.0):
+            if model.swaps == 2:
+                break
+        assert (model.used, loads) == (expected(lines), [1])
+    assert [sentence.partition(" was written")[0] for sentence in said[-2:]] == [
+        "another table",
+        "the calibration",
+    ]
+
+
 def test_a_reset_while_it_is_written_begins_again():
     model, lines = Tables(), lines_of((3, 5))
     with host.Core(line.Pipe(model), say=lambda _: None) as core:
