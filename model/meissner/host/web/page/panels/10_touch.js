@@ -43,7 +43,7 @@ panel({
   },
   draw() {
     const image = imageAt(page.to);
-    const [rows, columns] = image?.shapes.taxels ?? [page.hello.core.rows ?? 1, page.hello.core.columns ?? 1];
+    const [rows, columns] = image?.shapes.taxels ?? (page.hello.core.rows > 1 ? [page.hello.core.rows, page.hello.core.columns] : [1, 1]);
     const width = surface.element.parentElement.clientWidth, aspect = image ? rows / columns : 1;
     const [draw, wide, tall] = surface.begin(Math.min(360, Math.max(120, width * aspect)));
     const cell = Math.min(wide / columns, tall / rows), w = cell * columns, h = cell * rows, x = (wide - w) / 2, y = (tall - h) / 2;
