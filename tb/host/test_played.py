@@ -1,12 +1,14 @@
 """Scenes as a page plays them: which have something to show, and what their cores send, part by part, against
 literals, plain loops, and the scene's own run."""
 
+import tomllib
+
 import numpy as np
 import pytest
 
 from meissner import scenes
 from meissner.engines.features import function
-from meissner.host import Core, packets, sensors
+from meissner.host import Core, packets, sensors, web
 from meissner.host.line import Pipe
 from meissner.host.simulated import SimulatedCore, of_scenes
 from meissner.scenes import played
@@ -49,6 +51,19 @@ def test_every_scene_with_something_to_show_is_played():
         assert bool(found) == (
             set(scenes.load(name).features) > {"demod"} or "demod" not in scenes.load(name).features
         )
+
+
+def test_a_page_has_the_settings_that_a_core_obeys():
+    """And of a core without channels no states."""
+    pipe = of_scenes("cop_load")
+    source = web.OfCore(Core(Pipe(pipe), pipe.units), pipe.title)
+    assert [one["name"] for one in source.hub.about["settings"]] == ["cop4.min_load"]
+    assert source.hub.about["title"] == "cop_load, 95.2 times more slowly"  # 21 ms in 2 s
+    source.step()
+    assert source.hub.now["states"] == {} and pipe.states == []
+    pipe = of_scenes("acrylic_slip")
+    names = {one["name"] for one in web.OfCore(Core(Pipe(pipe), pipe.units), "").hub.about["settings"]}
+    assert "slip.threshold" in names and {name.split(".")[0] for name in names} == {"slip"}
 
 
 def test_a_scene_without_anything_to_show_is_refused_in_a_sentence():
@@ -140,9 +155,11 @@ def test_pins_are_shown_when_they_change():
 
 def test_a_hand_closes_its_own_loop_and_obeys_a_viewer():
     """Commands are those of the scene's own run, until they may not change any more."""
-    scene = scenes.load("grip_water")
+    table = tomllib.loads(scenes.source("grip_water"))
+    table["world"] |= {"duration_s": 4.0, "hold_from_s": 1.0, "pour_start_s": 0.5}
+    scene = scenes.build("grip_water", table)
     [make] = played.played(scene)
-    line, seconds = Played(make(1)), 4.0
+    line, seconds = Played(make(1)), 2.0
     changes, status = line.until(seconds, p.SLIP, p.CHANGE), line.core.status
     held = loop.hold(scene, scene.conditions[0], [1], (loop.FixedSlip, Grip))
     command, cycle = status["grip", "command", "value"], round(100 * seconds)
@@ -174,6 +191,9 @@ def test_the_speed_of_shear_is_in_its_registers():
         assert status in whole[max(0, last - 4) : last + 5], k
         seen.add(status[1])
     assert 0 in seen and len(seen) > 1
+    line.core.speed = 1.0  # it waits for the clock from here on
+    shown = web.OfCore(Core(Pipe(line.core)), "shear").hub.now["register"]
+    assert shown["shear_speed.enable"] == 1 and shown["shear_speed.channel0"] == status[0] | status[1] << 24
 
 
 KINDS = {  # of the packets that a scene's core must send, by its features

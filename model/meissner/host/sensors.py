@@ -266,6 +266,8 @@ def _wires(part: played.Wires) -> Driven:
         if twin is not None:
             core.states, core.first = changes.now, OF_LOAD
         for _ in count():
+            if twin is not None:  # that the last turn ended in a touch is no slip of this one
+                twin.reset()
             for start in range(0, len(part.codes), step):
                 core.boundary()
                 codes = part.codes[start : start + step]

@@ -57,6 +57,7 @@ class SimulatedCore:
         self.beside: deque[Trace | Pins] = deque(maxlen=64)  # what no line carries, until it is taken
         self.obeys: set[str] | None = None  # settings that the source follows; None: any
         self.title = "a simulated core"
+        self.channels = 1  # with a state, before a source says how many
         self._make = source if callable(source) else lambda core: iter(source)
         self.restart()
 
@@ -67,7 +68,7 @@ class SimulatedCore:
         self._next: Sent | None = None
         self._out, self._in, self._number = bytearray(), bytearray(), 0
         self._began, self._now = time.monotonic(), 0
-        self.rejected, self.states, self.first = 0, [0], 0
+        self.rejected, self.states, self.first = 0, [0] * self.channels, 0
 
     @property
     def now(self) -> int:
@@ -117,7 +118,7 @@ class SimulatedCore:
             status = bridge.BUS_ERROR if error else bridge.DONE
             self.say(p.ANSWER, self.now, bridge.answer(tag, status, address, word))
             if ("link", "states", "value") in pulses:
-                for payload in p.states(self.states, self.first):
+                for payload in p.states(self.states, self.first) if self.states else ():
                     self.say(p.STATES, self.now, payload)
 
     def put(self, name: str, value: int) -> None:
@@ -180,6 +181,8 @@ def of_scenes(which: str | Sequence[Any] = SHOWN, speed: str = "1", seed: int = 
             known = replace(known, **own)
     core = SimulatedCore(together(*sources), settings=settings, size=size, speed=rate, level=level)
     core.units, core.obeys, core.title = known, obeys, " + ".join(titles)
+    core.channels = any(name.startswith(("slip.", "cop_slip.")) for name in obeys)
+    core.restart()
     for name, value in status.items():
         core.report(name, value)
     return core

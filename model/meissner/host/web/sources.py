@@ -113,7 +113,9 @@ class OfCore:
         shown = [name for name in known if name.split(".")[0] in GROUPS and (obeys is None or name in obeys)]
         self._settings = [name for name in shown if core.check(name).setting]
         speeds = [f"shear_speed.channel{k}" for k in range(min(core.units.columns or 1, MAX_CHANNELS))]
-        self._read = [name for name in (*READ, *speeds) if name in known]
+        self._read = [name for name in READ if name in known]
+        if "shear_speed" in core.features:
+            self._read += speeds
         self._display = pins_of(core)
         settings = []
         for name in self._settings:

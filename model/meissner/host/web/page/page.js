@@ -93,7 +93,7 @@ export const page = {
   hello: null, first: 0, newest: 0, received: 0,  // of the stream, its first and newest time
   started: false, firstPicture: null,
   view: {paused: false, to: 0, span: 10},
-  channel: 0,
+  channel: 0, chosen: false,   // by the viewer
   cop: new Series(4),          // x, y, load, pressed
   traces: new Map(),           // channel: Series of low, high, p2p
   images: [], imageBytes: 0,
@@ -122,6 +122,7 @@ export const OF_LOAD = 65535;  // the channel of four electrodes
 export const channelName = k => k === OF_LOAD ? "load" : `${k}`;
 export const count = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
 export const number = (value, digits = 4) => Number.isFinite(value) ? `${+value.toPrecision(digits)}` : "–";
+export const fixed = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 export function withUnit(value, scale) {  // a code in its unit, in milli where it is small
   if (!scale) return null;
   const amount = value * scale[0] + scale[1];
@@ -434,7 +435,7 @@ export function chart(body, lines, {height = 150, least = null, bands = []} = {}
       y: {range: (_, low, high) => {
         if (low === null || !Number.isFinite(low)) return [0, 1];
         if (least !== null) low = Math.min(low, least);
-        const room = Math.max((high - low) * 0.08, 1e-6 + Math.abs(high) * 1e-3);
+        const room = high > low ? Math.max((high - low) * 0.08, Math.abs(high) * 1e-3) : Math.abs(high) / 10 || 1;
         return [least !== null && low >= least ? low : low - room, high + room];
       }},
     },
@@ -456,9 +457,9 @@ export function chart(body, lines, {height = 150, least = null, bands = []} = {}
     dot.style.background = `var(--${line.colour})`;
     return make("span", {}, dot, line.label);
   })));
-  return data => {
+  return (data, tall = height) => {
     const wide = body.clientWidth;
-    if (wide && plot.width !== wide) plot.setSize({width: wide, height});
+    if (wide && (plot.width !== wide || plot.height !== tall)) plot.setSize({width: wide, height: tall});
     plot.setData(data);
   };
 }

@@ -4,7 +4,7 @@
 import {channelName, chart, make, OF_LOAD, page, panel, scaleOf, stateName, withUnit} from "/page.js";
 
 const THRESHOLDS = ["slip.threshold", "slip.keep_threshold", "slip.gross_threshold"];
-let signal, spread, upper, lower, choice, sub, note;
+let signal, spread, upper, lower, choice, heading, sub, note;
 
 function taxels() {  // the channel's taxel in the images, as [t, value]
   const {images, channel} = page, unit = page.hello.core.newtons_per_code ?? 1;
@@ -15,6 +15,13 @@ function taxels() {  // the channel's taxel in the images, as [t, value]
     found[0].push(images[k].t); found[1].push(images[k].taxels[channel] * unit);
   }
   return found;
+}
+
+function strongest() {  // the taxel that is pressed most when the first image with a touch comes
+  const {images} = page, taxels = images.at(-1)?.taxels ?? [], most = taxels.reduce((a, b) => Math.max(a, b), 0);
+  if (!most) return undefined;
+  page.chosen = true;
+  return taxels.indexOf(most);
 }
 
 function against(t, p2p) {  // the peak-to-peak and the thresholds, with the times at which one of these changed
@@ -35,10 +42,11 @@ panel({
   id: "signal", title: "Slip of a channel", shape: "wide", picture: true,
   shown: () => page.traces.size > 0 || page.images.length > 0 || page.states.of.size > 0,
   build(body, title) {
+    heading = title.firstChild;
     sub = title.appendChild(make("small"));
     choice = make("select");
     title.append(make("label", {}, "channel ", choice));
-    choice.onchange = () => { page.channel = +choice.value; };
+    choice.onchange = () => { [page.channel, page.chosen] = [+choice.value, true]; };
     upper = body.appendChild(make("div")); lower = body.appendChild(make("div"));
     signal = chart(upper, [{label: "signal", colour: "accent", more: {width: 1}}, {label: "", colour: "accent", more: {width: 1}}], {bands: [[2, 1, "accent"]], height: 140});
     const stepped = uPlot.paths.stepped({align: 1});
@@ -51,7 +59,8 @@ panel({
   draw() {
     const known = [...new Set([...page.traces.keys(), ...page.states.of.keys()])].sort((a, b) => a - b).slice(0, 300);
     if (!known.includes(page.channel)) {
-      if (known.length && !page.images.length) page.channel = known[0]; else known.push(page.channel);
+      if (!page.chosen) page.channel = known[0] ?? strongest() ?? 0;
+      if (!known.includes(page.channel)) known.push(page.channel);
     }
     const key = known.join();
     if (choice.dataset.key !== key) {
@@ -67,21 +76,24 @@ panel({
       [t, , , p2p] = data;
       said = "in codes; of the peak-to-peak, those of the detail";
     } else if (ofLoad) {
-      drawn = page.cop.thin(page.from, page.to, [[3, "min"], [3, "max"]]);
-      said = "the signal is the load of the four electrodes";
+      drawn = page.images.length ? [[]] : page.cop.thin(page.from, page.to, [[3, "min"], [3, "max"]]);
+      said = `${page.images.length ? "" : "the signal is the load of the four electrodes; "}a slip is a fall of that load while the centre moves`;
     } else {
       const [at, value] = taxels(), list = (page.states.of.get(page.channel) ?? []).filter(one => one.value.p2p !== null && one.t >= page.from - 60 && one.t <= page.to + 1);
       drawn = [at, value, value];
       t = list.map(one => one.t); p2p = list.map(one => one.value.p2p);
-      said = `the line carries no samples: ${at.length ? "the signal is that of the images, " : ""}the peak-to-peak that of each change of state`;
+      said = [at.length ? "the signal is that of the images" : "", t.length ? "the peak-to-peak is that of each change of state" : ""].filter(Boolean).join(", ");
+      said = `the line carries no samples${said ? `: ${said}` : ""}`;
     }
     upper.hidden = !drawn[0].length;
-    lower.hidden = ofLoad;
-    if (!upper.hidden) signal(drawn);
+    lower.hidden = ofLoad || !(p2p.length || THRESHOLDS.some(name => page.registers.of.has(name)));
+    if (!upper.hidden) signal(drawn, lower.hidden ? 280 : 140);
     if (!lower.hidden) spread(against(t, p2p));
     const state = page.states.at(page.channel, page.to), threshold = ofLoad ? undefined : page.registers.at("slip.threshold", page.to);
     const unit = threshold === undefined ? null : withUnit(threshold, scaleOf("slip.threshold"));
-    sub.textContent = `${stateName(state?.state ?? 0)}${threshold === undefined ? "" : `, threshold ${threshold}${unit ? ` (${unit})` : ""}`}`;
+    heading.nodeValue = page.states.of.size || trace ? "Slip of a channel" : "Signal of a channel";
+    const words = [state ? stateName(state.state) : "", threshold === undefined ? "" : `threshold ${threshold}${unit ? ` (${unit})` : ""}`];
+    sub.textContent = words.filter(Boolean).join(", ");
     note.textContent = said;
   },
 });
