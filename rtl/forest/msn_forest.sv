@@ -9,7 +9,8 @@
 // taken and begun. A load goes to the bank not in use, swap_i puts it in use between two decisions; with one bank
 // the first write waits for the decisions under way, and until swap_i every row gets error 1.
 // Load kinds: 0 node (engine, address), 1 root (engine, tree), 2 vote (row, class << 16), 3 number of trees (engine).
-// Error bits: 1 no forest, 2 the memory did not answer in time, 4 a node or leaf that cannot be (its tree has no vote).
+// Error bits: 1 no forest, 2 the memory did not answer in time, or an upset left a leaf too many, 4 a node or leaf that
+// cannot be (its tree has no vote).
 // Outside: nodes are read at req_*, rsp_*, of each engine, and not loaded here; else block RAM (msn_forest_memory).
 //
 // Latency: reading and walking, then Classes + Engines + 4 clocks.   Model: model/meissner/twins/forest/forest.py

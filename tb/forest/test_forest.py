@@ -458,6 +458,7 @@ async def reports_a_memory_that_answers_late_or_never(dut):
 
 
 EVIDENCE = {
+    "equivalence": {"boxes": True, "reset_size": {"Nodes": 1}},
     "faults": {
         "size": {"Banks": 1},
         "short": {"Timeout": 128},
