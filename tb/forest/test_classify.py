@@ -463,7 +463,7 @@ async def a_row_without_room_is_dropped_whole(dut):
     assert [(label, votes) for _, label, _, votes in stage.told] == [
         answers[time - window] for time, *_ in stage.told
     ]
-    assert len(stage.told) == stage.status()["changes"] > 5
+    assert len(stage.told) == stage.status()["changes"] > 1
 
 
 @bench.applies(built)
