@@ -27,6 +27,7 @@ module msn_forest_engine #(
   parameter  int unsigned Lanes       = 4,
   parameter  int unsigned Contexts    = 4,     // decisions under way
   parameter  int unsigned Timeout     = 4096,  // clocks
+  parameter  int unsigned Patience    = Timeout,  // clocks after a flush in which an answer may still come
   localparam int unsigned IndexBits   = msn_pkg::index_width(Features),
   localparam int unsigned AddressBits = msn_pkg::index_width(Nodes),
   localparam int unsigned TagBits     = msn_pkg::index_width(Walkers),
@@ -43,7 +44,7 @@ module msn_forest_engine #(
   output logic [Contexts-1:0]    done_o,
   output logic [Contexts-1:0]    damaged_o,
   output logic                   late_o,      // what is under way has to be given up
-  output logic                   stuck_o,     // waits for responses since a flush
+  output logic                   stuck_o,     // waits for responses since a flush, for Patience clocks at most
   output logic                   step_o,      // a node was compared
 
   input  logic                   row_write_i,
@@ -93,6 +94,9 @@ module msn_forest_engine #(
   end
   if (Timeout < 2 * Classes + 64 || Timeout > 2 ** 24) begin : gen_check_timeout
     $fatal(1, "msn_forest_engine: Timeout = %0d must lie in 2 * Classes + 64 .. 2^24", Timeout);
+  end
+  if (Patience < Timeout || Patience > 2 ** 30) begin : gen_check_patience
+    $fatal(1, "msn_forest_engine: Patience = %0d must lie in Timeout .. 2^30", Patience);
   end
 
   localparam int unsigned Depth    = (Walkers > 1) ? 2 ** TagBits : 2;
@@ -177,6 +181,7 @@ module msn_forest_engine #(
   logic [AddressBits-1:0] request_address;
   logic [TagBits-1:0]     request_tag;
   logic [Walkers-1:0]     waiting;
+  logic                   gives_up;  // what waits for an answer gets none any more
   assign slot            = !req_valid_o || req_ready_i;
   assign walk_take       = slot && walk_valid;
   assign take_root       = slot && !walk_valid && free_valid && issuing && root_valid;
@@ -203,6 +208,7 @@ module msn_forest_engine #(
       waiting[request_tag] <= 1'b1;
     end
     if (flush_i && slot) req_valid_o <= 1'b0;
+    if (gives_up) waiting <= '0;
     if (rst_i) begin
       req_valid_o <= 1'b0;
       waiting     <= '0;
@@ -294,7 +300,7 @@ module msn_forest_engine #(
   );
 
   // All tags become free after a reset, and after a flush when no response is outstanding: a late one is not
-  // taken for the response to a new request.
+  // taken for the response to a new request. One to a request whose tag an upset changed never comes.
   logic quiet_tags;
   assign quiet_tags = waiting == '0 && !req_valid_o;
   assign stuck_o    = filling && !quiet_tags;
@@ -325,13 +331,14 @@ module msn_forest_engine #(
 
   // A decision is done when each of its trees is in the sums. A leaf on top of them would be taken for one of the next
   // decision, whose last leaf for one of the next, and so on: votes that are wrong for ever.
-  localparam int unsigned QuietBits = $clog2(Timeout);
+  localparam int unsigned QuietBits = $clog2(Patience);
   logic [TreeBits-1:0]  voted [Contexts];
   logic [QuietBits-1:0] quiet;
   logic                 works, waits_too_long, foreign, twice;
   logic [Contexts-1:0]  full;
   assign works          = (go_i & ~done_o) != '0;
   assign waits_too_long = works && !hit && counted == '0 && quiet == QuietBits'(Timeout - 1);
+  assign gives_up       = stuck_o && quiet == QuietBits'(Patience - 1);
   assign foreign        = leaf_valid && leaf_take
                           && (leaf_mark[ContextBits] != turn[leaf_context] || done_o[leaf_context]);
   assign twice          = (walk_take || take_root) && waiting[request_tag];
@@ -343,7 +350,7 @@ module msn_forest_engine #(
       if (leaf_valid && leaf_take && leaf_bad && leaf_context == ContextBits'(k)) damaged_o[k] <= 1'b1;
       if (free_i[k]) damaged_o[k] <= 1'b0;
     end
-    quiet  <= (!works || hit || counted != '0 || flush_i) ? '0 : quiet + 1'b1;
+    quiet  <= (!(works || stuck_o) || hit || counted != '0 || flush_i) ? '0 : quiet + 1'b1;
     late_o <= waits_too_long || foreign || twice || (counted & full) != '0;
     if (rst_i) begin
       for (int unsigned k = 0; k < Contexts; k++) voted[k] <= '0;

@@ -448,9 +448,9 @@ async def a_row_without_room_is_dropped_whole(dut):
                 got.append((stage.status()["label"], stage.status()["best"]))
 
     watching = cocotb.start_soon(watch())
-    x = frames_of(draw, size.of["channels"], 100, 120)
+    x = frames_of(draw, size.of["channels"], 40, 120)
     for number, values in enumerate(x):
-        if number == 99:
+        if number == 39:
             await bench.clocks(dut, 400)
         await stage.frame(values, number)
     await bench.clocks(dut, 400)

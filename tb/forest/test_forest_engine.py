@@ -260,6 +260,32 @@ async def is_stuck_until_the_last_answer(dut):
     assert await played.votes(1) == decide(given, row)[0]
 
 
+@bench.applies(lambda dut: parameter(dut, "Walkers") >= 3)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(later=[0, 100])
+async def forgets_an_answer_that_never_comes(dut, later):
+    """Of three requests one is answered before a flush, one never, and one never or later: stuck for Patience
+    clocks from the flush, or from that answer, exactly; then it decides with all walkers."""
+    draw, patience = random.Random(bench.SEED), parameter(dut, "Patience")
+    given, row = small(draw, dut, 3, depth=2, stop=0), [5, -5, 7]
+    played = await begin(dut, given, lambda number: [2, 0, later, 2][min(number, 3)])
+    await played.row(0, row)
+    dut.go_i.value = 1
+    await played.steps(9)
+    flushed, dut.flush_i.value = played.clock, 1
+    await played.step()
+    dut.flush_i.value = 0
+    await played.free(0)
+    since = played.asked[2][0] + later if later else flushed
+    while played.clock <= since + patience:
+        assert bench.high(dut.stuck_o), played.clock
+        await played.step()
+    await played.step()
+    assert len(played.asked) == 3 and not bench.high(dut.stuck_o)
+    await again(played, given, row)
+
+
+@bench.applies(lambda dut: parameter(dut, "Walkers") >= 5)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def gives_up_for_a_leaf_of_no_decision(dut):
     """Only an upset brings a leaf too many; here it is made by inputs that msn_forest never gives: the result
@@ -319,7 +345,7 @@ async def counts_no_vote_of_what_cannot_be(dut):
         (20, {20: whole(255, 3)}, False), (20, {20: right(21), 21: ends}, True), (20, {20: right(20)}, False),
         (20, {20: right(19), 19: ends}, False), (20, {20: right(nodes - 1), nodes - 1: ends}, True),
         (20, {20: right(nodes), nodes: ends}, False), (20, {20: right(1 << 31 | 21), 21: ends}, False),
-        (20, {20: right(1 << 9 | 21), 21: ends}, False), (nodes - 1, {nodes - 1: ends}, True),
+        (20, {20: right(1 << (nodes - 1).bit_length() | 21), 21: ends}, False), (nodes - 1, {nodes - 1: ends}, True),
         (nodes, {nodes: ends}, False), (nodes - 2, {nodes - 2: left(), nodes - 1: ends}, True),
         (nodes - 1, {nodes - 1: left(), nodes: ends}, False), (20, {20: left(features), 21: ends}, False),
         (20, {20: whole(0, leaves - 1)}, True),
@@ -377,7 +403,7 @@ SPACE = lambda draw: {"Walkers": draw.randint(2, 64), "Contexts": 1 << draw.rand
 @pytest.mark.parametrize("classes, walkers, contexts", [(2, 16, 4), (3, 5, 2)])
 def test_forest_engine(classes, walkers, contexts):
     size = {"Features": 3, "Classes": classes, "Trees": 20, "Nodes": 400, "Leaves": 20}
-    size |= {"Walkers": walkers, "Contexts": contexts, "Timeout": 150}
+    size |= {"Walkers": walkers, "Contexts": contexts, "Timeout": 150, "Patience": 150 + 100 * (classes - 2)}
     bench.run("forest", "forest_engine", size)
 
 
@@ -407,6 +433,6 @@ test_refuses_illegal_parameters = refusals(
     {"Trees": 0},
     {"Trees": 65536},
     {"Nodes": 0},
-    alone=({"Walkers": 0}, {"Walkers": 65}, {"Timeout": 67}),
+    alone=({"Walkers": 0}, {"Walkers": 65}, {"Timeout": 67}, {"Patience": 4095}),
     **dict.fromkeys(("features", "classes", "trees", "nodes", "leaves"), 1),
 )
