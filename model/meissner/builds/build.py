@@ -143,6 +143,13 @@ class Config:
         return 1000 * self.clk_khz / clocks
 
     @property
+    def slowest(self) -> tuple[int, str, str]:
+        """(clocks from frame to frame that it needs, name, what takes them) of the slowest feature."""
+        built = {name: FEATURES[name] for name in self.features}
+        needed = [(of.clocks(self), name, of.TAKES) for name, of in built.items() if hasattr(of, "TAKES")]
+        return max(needed, default=(1, "", ""))
+
+    @property
     def _image_bytes(self) -> int:
         rows, columns = self.shape
         return sum(map(line_bytes, packet.image_chunks(0, [0] * (rows * columns))))
@@ -335,6 +342,12 @@ class Config:
                 raise ValueError(f"[slip]: {problem}") from None
         for name in self.features:
             FEATURES[name].check(self)
+        clocks, name, what = self.slowest
+        if self.period_clocks < clocks:
+            raise ValueError(
+                f"[adc]: rate_hz = {self.rate_hz:g} is too fast for [{name}]: {what} takes up to {clocks} "
+                f"clocks, so at most {1000 * self.clk_khz / clocks:.0f} Hz"
+            )
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
         if self.link.slip_only and self.adc.read == "during":
