@@ -132,9 +132,14 @@ def _read(name: str, file: Any, fastest: bool) -> Config:
     with naming("[adc]"):
         limits = base.input
     if fastest:
-        built = [FEATURES[name] for name in FEATURES if getattr(file, name, None)]
-        clocks = [getattr(feature, "NEEDED_CLOCKS", 1) for feature in built]
-        base = replace(base, rate_hz=base.most_rate_hz(max(clocks, default=1)))
+        base = replace(base, rate_hz=base.most_rate_hz())
+        clocks = 1
+        for feature, module in FEATURES.items():
+            if getattr(file, feature, None) and hasattr(module, "needed"):
+                with naming(f"[{feature}]"):
+                    own = module.config(getattr(file, feature), base)
+                clocks = max(clocks, module.needed(own, base)[0])
+        base = replace(base, rate_hz=base.most_rate_hz(clocks))
     if isinstance(file, keys.ArrayFile):
         array = file.array
         base = replace(
@@ -208,7 +213,7 @@ def command_show(arguments: Namespace) -> None:
     config = load(arguments.file)
     print(f"{plain(config.name)}: {plain(config.about)}")
     if config.units.rate_hz:
-        print(f"{config.rate_hz:.7g} {config.sampled} a second")
+        print(f"{config.rate_hz:.12g} {config.sampled} a second")
     print("\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")

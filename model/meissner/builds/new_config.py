@@ -78,6 +78,8 @@ def _answers(given: Namespace) -> dict[str, Any]:
     if board is not None:
         one_of("board", board, EVERY)
     for key in ("channels", "rows", "columns", "converters"):
+        if getattr(given, key) is not None and key not in found:
+            raise ValueError(f"--{key} is not for --sensor {found['sensor']}: omit it")
         if found.get(key, 1) < 1:
             raise ValueError(f"{key} = {found[key]} must be above 0")
     return found

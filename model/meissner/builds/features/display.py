@@ -59,17 +59,15 @@ def shape_of(base: "Config") -> tuple[int, int] | None:
     return None if base.kind == "electrodes" else base.shape
 
 
+def needed(own: DisplayConfig, base: "Config") -> tuple[int, str]:
+    return own.render_of(shape_of(base)).clocks, "computing a frame takes"
+
+
 def check(base: "Config") -> None:
     if base.kind == "channels" and base.channels < 2:
         raise ValueError("[display] must go with an array, two channels or more, or four electrodes")
     if base.serial:
         raise ValueError("[display] must go with serial = false")
-    clocks = base.features["display"].render_of(shape_of(base)).clocks
-    if clocks > base.period_clocks:
-        raise ValueError(
-            f"[adc]: rate_hz = {base.rate_hz:g} is too fast for [display]: computing a frame takes "
-            f"{clocks} clocks, so at most {1000 * base.clk_khz / clocks:.0f} Hz"
-        )
     if base.features["display"].host and not base.link.registers:
         raise ValueError("[display]: source = 'host' must go with registers = true")
 

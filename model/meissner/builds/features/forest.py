@@ -126,6 +126,14 @@ class Forest:
             )
 
 
+def needed(own: Forest, _: "Config") -> tuple[int, str]:
+    if not own.frames or own.model is None:
+        return 0, ""
+    longest = np.array([[max(cost.depths(tree), 1) for tree in own.model.trees]])
+    worst = cost.clocks(own.model, (longest, longest), own.engines)
+    return int(worst["SDRAM" if own.sdram else "block RAM"][1]), "a decision takes up to"
+
+
 def check(base: "Config") -> None:
     if base.serial or not base.link.registers:
         raise ValueError("[forest] must go with serial = false and registers = true, which load it")
@@ -142,15 +150,6 @@ def check(base: "Config") -> None:
         forest.check_room(*LARGEST)
     elif forest.size.nodes > BANKS * BANK_WORDS // forest.banks:
         raise ValueError(f"[forest]: {forest.size.nodes} nodes in {forest.banks} banks do not fit the SDRAM")
-    if forest.frames and forest.model is not None:
-        longest = np.array([[max(cost.depths(tree), 1) for tree in forest.model.trees]])
-        worst = cost.clocks(forest.model, (longest, longest), forest.engines)
-        needed = worst["SDRAM" if forest.sdram else "block RAM"][1]
-        if needed > base.period_clocks:
-            raise ValueError(
-                f"[adc]: rate_hz = {base.rate_hz:g} is too fast for the forest: a decision takes up to "
-                f"{needed} clocks, so at most {1000 * base.clk_khz / needed:.0f} Hz"
-            )
 
 
 def config(keys: Keys, base: "Config") -> Forest:
