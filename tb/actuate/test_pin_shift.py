@@ -22,7 +22,13 @@ REST = {
 REST |= {"slot_i": 0, "busy_i": 0}
 SIZES = [  # the last at the full clock of the drivers, in true time
     {"Pins": 7, "AmplitudeBits": 1, "ClkKhz": 10_000, "SclkKhz": 5_000},
-    {"Pins": 131, "Chains": 2, "AmplitudeBits": 2, "ClkKhz": 10_000, "SclkKhz": 5_000},
+    {
+        "Pins": 261,
+        "Chains": 2,
+        "AmplitudeBits": 2,
+        "ClkKhz": 10_000,
+        "SclkKhz": 5_000,
+    },  # three drivers a chain
     {"Pins": 100, "AmplitudeBits": 4, "ClkKhz": 100_000},
 ]
 
