@@ -117,7 +117,7 @@ module msn_pin_shift #(
       loaded     <= 1'b0;
       final_word <= 1'b0;
       slot       <= slot_i;
-      position   <= '1;
+      position   <= PositionBits'(ChainBits - 1);
       gathered   <= '0;
       words_left <= WordBits'(ChainBits / Word - 1);
       timing     <= 1'b1;

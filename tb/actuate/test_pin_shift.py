@@ -20,9 +20,9 @@ REST = {
     "step_i": 0,
 }
 REST |= {"slot_i": 0, "busy_i": 0}
-SIZES = [  # the last at the full clock of the drivers, in true time
+SIZES = [  # the second with three drivers a chain; the last at the full clock of the drivers, in true time
     {"Pins": 7, "AmplitudeBits": 1, "ClkKhz": 10_000, "SclkKhz": 5_000},
-    {"Pins": 131, "Chains": 2, "AmplitudeBits": 2, "ClkKhz": 10_000, "SclkKhz": 5_000},
+    {"Pins": 259, "Chains": 2, "AmplitudeBits": 1, "ClkKhz": 10_000, "SclkKhz": 5_000, "Direction": 0},
     {"Pins": 100, "AmplitudeBits": 4, "ClkKhz": 100_000},
 ]
 
@@ -138,12 +138,17 @@ async def is_off_from_the_next_clock_on(dut):
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset(dut):
     await bench.inputs_in_reset(dut, "hv_clk_o", "hv_le_o", "hv_bl_o", "wrap_o", "busy_o")
-    assert bench.high(dut.hv_pol_o)
+    assert bench.high(dut.hv_pol_o) and bench.high(dut.hv_dir_o) == bench.high(dut.Direction)
 
 
 EVIDENCE = {
     "equivalence": {"size": {"Pins": 7, "AmplitudeBits": 1, "ClkKhz": 10_000, "SclkKhz": 5_000}},
-    "faults": {"none": "no frames: each slot's load mends the last"},
+    # Each slot's load mends the last, and a period's levels those of the one before, of two slots here.
+    "faults": {
+        "size": {"Pins": 7, "AmplitudeBits": 1},
+        "settle": 4,
+        "driver": {"frame": "step_i", "rows": 14000},
+    },
 }
 
 
