@@ -176,9 +176,9 @@ EVIDENCE = {
     },
     "faults": {
         "size": {"Image": 1, "Rows": 1, "Columns": 8},
-        "settle": 3,
-        # Where the stripes of a slip are is kept until it ends.
-        "driver": {"frame": "in_last_i", "when": "in_valid_i", "strobe": "out_valid_o", "kept": "cue phase"},
+        # Until a slip ends, 18 frames, stripes stay where they are, or a step behind by a lost frame.
+        "settle": 20,
+        "driver": {"frame": "in_last_i", "when": "in_valid_i", "strobe": "out_valid_o", "rows": 12000},
     },
 }
 
