@@ -80,7 +80,7 @@ module msn_pin_limits #(
   assign frame_begun_o = reading || valid[1:0] != '0;
   always_ff @(posedge clk_i) begin
     due     <= turn_i || (due && !go);
-    closing <= off_i || (closing && !(go && !begin_i));
+    closing <= off_i || (closing && !go);
     if (go) begin
       reading <= 1'b1;
       compose <= begin_i;

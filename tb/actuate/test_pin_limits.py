@@ -135,6 +135,33 @@ async def switches_off_a_pin_that_stays_on(dut):
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_period_may_end_within_its_pass(dut):
+    """In any clock of it, with a seventh: the pass goes on, then another charges what was driven. The first
+    seventh ends at rest."""
+    pins, bits = dut.Pins.value.to_unsigned(), dut.AmplitudeBits.value.to_unsigned()
+    await bench.start(dut, **REST | {"cfg_duty_i": 70})
+    drive, lists, expected = Driven(dut), Limits(pins, bits), [1] * pins
+    await drive.clock(turn_i=1)
+    await drive.run()
+    lists.off(0, 1)
+    drive.frame = [1] * pins
+    for clocks in (*range(pins + 6), 0, 0):
+        turned = clocks % 3 == 1
+        dut.running_i.value, drive.levels = 1, []
+        expected, _ = lists.period(drive.frame, 9, 0, 1, 4095, 70, 15)
+        dut.length_i.value = 9
+        await drive.clock(begin_i=1)
+        for _ in range(clocks):
+            await drive.clock()
+        dut.running_i.value, dut.length_i.value = 0, 11
+        await drive.clock(off_i=1, turn_i=turned)
+        await drive.run()
+        assert drive.levels == expected, clocks
+        lists.off(11, turned)
+    assert expected == [0] * pins
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
 async def sums_go_on_beyond_their_width(dut):
     """Eight sevenths of a period each have 8 x 5001 ticks, sixty have four times 2^16. A pin that was on in
     all eight is off at a duty of as many and a period's room, less one."""
