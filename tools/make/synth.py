@@ -28,9 +28,9 @@ from meissner.builds.bitstream import AREA, LIMIT_S, OUT, build, label, private
 from meissner.builds.pins import description
 from meissner.builds.wiring.drawing import svg
 from meissner.builds.yowasp import ROOT, ToolError, warm_up
+from meissner.tables import toml
 from meissner.tradeoff.area import BOARDS as RESOURCES
 from meissner.tradeoff.area import recorded
-from meissner.tradeoff.choose import toml
 from meissner.twins.frontend.adc_spi import AdcSpi
 from version import record
 
