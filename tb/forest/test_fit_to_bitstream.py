@@ -17,6 +17,7 @@ from meissner.cli import main
 
 
 @pytest.mark.long
+@pytest.mark.timeout(7200)
 @pytest.mark.parametrize(
     "source, label, board",
     [("biotacsp", 0, "ulx3s"), ("biotacsp", 0, "icebreaker"), ("osu_slip", 3, "ulx3s")],

@@ -176,7 +176,7 @@ class Room(NamedTuple):
         found = {"about": f"the forest {Path(forest).name} on the {self.title}", "clock": {"mhz": self.mhz}}
         found |= {"sensor": {"kind": "none"}}
         found |= {"forest": {"source": "host", "file": path, "engines": self.engines, "banks": self.banks}}
-        found |= {"link": {"baud": 1_000_000} | ({"statistics": False} if self.cells == "ice40" else {})}
+        found |= {"link": {"baud": 1_000_000, "statistics": False}} if self.cells == "ice40" else {}  # small
         return f"# Written by `meissner forest-budget`; docs/config.md explains every key.\n{toml(found)}"
 
 
