@@ -570,6 +570,7 @@ def _forest(commands):
     parser.add_argument("--banks", type=int, default=1, metavar="N", help="2: reloadable while it runs (1)")
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead")
     _out(parser, "F.json", "write the forest that --fit finds")
+    parser.add_argument("--toml", metavar="FILE", help="also write a configuration for it, for make synth")
     parser.set_defaults(call="meissner.budget.forest:command")
 
 

@@ -28,9 +28,9 @@ from meissner.builds.bitstream import AREA, LIMIT_S, OUT, build, label, private
 from meissner.builds.pins import description
 from meissner.builds.wiring.drawing import svg
 from meissner.builds.yowasp import ROOT, ToolError, warm_up
+from meissner.tables import toml
 from meissner.tradeoff.area import BOARDS as RESOURCES
 from meissner.tradeoff.area import recorded
-from meissner.tradeoff.choose import toml
 from meissner.twins.frontend.adc_spi import AdcSpi
 from version import record
 
@@ -139,7 +139,11 @@ def write(found):
 def tell(name, result):
     name = label(name, result.get("device"))
     used = ", ".join(f"{result[key]} {key.upper()}" for key in AREA)
-    return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g})"
+    pins = ""
+    if "sdram_out_ns" in result:
+        ways = result["sdram_out_ns"], result["sdram_in_ns"]
+        pins = "; SDRAM: from the clock to a pin {} ns, from a pin to a register {} ns".format(*ways)
+    return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g}){pins}"
 
 
 def options_of(arguments):
