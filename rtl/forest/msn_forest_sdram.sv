@@ -89,12 +89,13 @@ module msn_forest_sdram #(
 
   msn_forest #(
     .Features(Features), .FeatureBits(FeatureBits), .Classes(Classes), .Trees(Trees), .Nodes(2 ** 22),
-    .Leaves(Leaves), .Engines(1), .Banks(Banks), .Walkers(Walkers), .Contexts(2 ** ContextBits), .Outside(1'b1)
+    .Leaves(Leaves), .Engines(1), .Banks(Banks), .Walkers(Walkers), .Contexts(2 ** ContextBits),
+    .Outside(1'b1)
   ) u_forest (
     .clk_i, .rst_i,
     .in_valid_i, .in_ready_o, .in_data_i, .in_last_i, .damaged_o, .in_context_o,
-    .out_valid_o, .out_ready_i, .out_id_o, .out_votes_o, .out_last_o, .out_class_o, .out_error_o, .out_context_o,
-    .step_o,
+    .out_valid_o, .out_ready_i, .out_id_o, .out_votes_o, .out_last_o, .out_class_o, .out_error_o,
+    .out_context_o, .step_o,
     .load_valid_i, .load_ready_o(forest_ready), .load_kind_i, .load_engine_i(1'b0), .load_address_i,
     .load_data_i,
     .swap_i(swap), .swapping_o(swapping),
