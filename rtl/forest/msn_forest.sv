@@ -33,7 +33,8 @@ module msn_forest #(
   localparam int unsigned ClassBits   = msn_pkg::index_width(Classes),
   localparam int unsigned EngineBits  = msn_pkg::index_width(Engines),
   localparam int unsigned AddressBits = msn_pkg::index_width(Nodes),
-  localparam int unsigned TagBits     = msn_pkg::index_width(Walkers)
+  localparam int unsigned TagBits     = msn_pkg::index_width(Walkers),
+  localparam int unsigned ContextBits = $clog2(Contexts)
 ) (
   input  logic                           clk_i,
   input  logic                           rst_i,
@@ -43,6 +44,7 @@ module msn_forest #(
   input  logic [FeatureBits-1:0]         in_data_i,   // signed
   input  logic                           in_last_i,
   output logic [31:0]                    damaged_o,   // frames
+  output logic [ContextBits-1:0]         in_context_o,   // of the row that comes in, not in use for another
 
   output logic                           out_valid_o,
   input  logic                           out_ready_i,
@@ -51,6 +53,7 @@ module msn_forest #(
   output logic                           out_last_o,
   output logic [ClassBits-1:0]           out_class_o,
   output logic [2:0]                     out_error_o,
+  output logic [ContextBits-1:0]         out_context_o,  // of the row that this is the result of
   output logic [Engines-1:0]             step_o,      // nodes compared in this clock
 
   input  logic                           load_valid_i,
@@ -78,7 +81,6 @@ module msn_forest #(
   end
 
   localparam int unsigned IndexBits   = msn_pkg::index_width(Features);
-  localparam int unsigned ContextBits = $clog2(Contexts);
 
   // The row that comes in goes to the context `fill`, while decisions on others are under way. All pointers move in turn.
   logic [Contexts-1:0]    filled, going, failed, using_, free;
@@ -88,7 +90,9 @@ module msn_forest #(
   logic                   row_write;
   logic [IndexBits-1:0]   row_index;
   logic [FeatureBits-1:0] row_data;
-  assign in_ready_o = !filled[fill];
+  assign in_ready_o    = !filled[fill];
+  assign in_context_o  = fill;
+  assign out_context_o = oldest;
   assign accept     = in_valid_i && in_ready_o;
   assign fits       = !dropping && in_last_i == (place == IndexBits'(Features - 1));
   assign using_     = going & ~failed;

@@ -44,7 +44,7 @@ module msn_forest_engine #(
   output logic [Contexts-1:0]    done_o,
   output logic [Contexts-1:0]    damaged_o,
   output logic                   late_o,      // what is under way has to be given up
-  output logic                   stuck_o,     // waits for responses since a flush, for Patience clocks at most
+  output logic                   stuck_o,     // waits for responses since a flush, at most Patience clocks
   output logic                   step_o,      // a node was compared
 
   input  logic                   row_write_i,
@@ -242,7 +242,8 @@ module msn_forest_engine #(
   assign good_4      = fits_4 && (ends_4 ? leaf_fits_4 : is_far_4 ? far_fits_4 : next_fits_4);
   always_ff @(posedge clk_i) begin
     {tag_5, tag_4, tag_3, tag_2, tag_1}      <= {tag_4, tag_3, tag_2, tag_1, rsp_tag_i};
-    {mark_5, mark_4, mark_3, mark_2, mark_1} <= {mark_4, mark_3, mark_2, mark_1, place[AddressBits+:MarkBits]};
+    {mark_5, mark_4, mark_3, mark_2, mark_1} <= {mark_4, mark_3, mark_2, mark_1,
+                                                 place[AddressBits+:MarkBits]};
     at_1        <= place[AddressBits-1:0];
     word_1      <= rsp_data_i;
     at_2        <= at_1;

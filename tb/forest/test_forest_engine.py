@@ -100,14 +100,15 @@ class Played:
         await self.step()
 
 
-async def begin(dut, given, answers):
-    """The engine with the forest ``given`` in use, in bank 1."""
+async def begin(dut, given, answers, base=0):
+    """The engine with the forest ``given`` in use, in bank 1, its nodes from address ``base`` on."""
     await bench.start(dut, **dict.fromkeys(IDLE.split(), 0))
-    memory = words.pack(given)
-    await load(dut, words.loads(given, 1))
+    nodes = enumerate(map(int, words.pack(given).nodes), base)
+    memory = {at: word + (base if word >> 62 == 0 else 0) for at, word in nodes}  # a child's address
+    await load(dut, [(*row[:3], row[3] + base if row[0] == 1 else row[3]) for row in words.loads(given, 1)])
     dut.bank_i.value = dut.req_ready_i.value = 1
     dut.read_i.value = 0
-    played = Played(dut, memory.nodes, answers)
+    played = Played(dut, memory, answers)
     await played.steps(parameter(dut, "Walkers") + 4)
     return played
 
@@ -171,6 +172,37 @@ async def decides_on_contexts_in_their_order(dut):
         dut.free_i.value = 0
         await played.steps(2)
         assert bench.read(dut.done_o) == 0
+    assert played.late == []
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(end=[0, 1])
+async def decides_with_every_tree_and_node(dut, end):
+    """As many trees as there is room for, at either end of the memory, all contexts at once; answers in any
+    order."""
+    draw, contexts, count = (
+        random.Random(bench.SEED + end),
+        parameter(dut, "Contexts"),
+        parameter(dut, "Trees"),
+    )
+    given = small(draw, dut, count, depth=4, stop=0.1)
+    nodes = len(words.pack(given).nodes)
+    base = (parameter(dut, "Nodes") - nodes) * end
+    assert base >= 0
+    played = await begin(dut, given, lambda number: draw.randint(1, 20), base)
+    for oldest in range(3):
+        q = rows(draw, given, contexts, 1000)
+        for context in range(contexts):
+            await played.row(context, q[context])
+        dut.oldest_i.value, dut.go_i.value = oldest % contexts, (1 << contexts) - 1
+        for _ in range(4000):
+            await played.step()
+            if bench.read(dut.done_o) == (1 << contexts) - 1:
+                break
+        for context in range(contexts):
+            assert await played.votes(context) == decide(given, q[context])[0]
+        await played.free(*range(contexts))
+    assert {address for _, address in played.asked} >= {base + root for root in words.pack(given).roots}
     assert played.late == []
 
 
@@ -296,18 +328,20 @@ async def gives_up_for_a_leaf_of_no_decision(dut):
     given, row = small(draw, dut, lists), [5, -5, 7]
     played = await begin(dut, given, lambda number: 2)
     for kept, late in ((0, 5), (4, 2), (3, 1 + 2)):
-        await load(dut, [(3, 0, 0, kept)])  # into the bank that is not in use
         await played.row(0, row)
         dut.go_i.value = 1
         await played.steps(12)
         assert len(played.asked) == 5  # all roots, and no leaf is there yet
-        if kept:
+        if kept:  # into the bank that is not in use, then that is in use
+            await load(dut, [(3, 0, 0, kept)])
             dut.bank_i.value = 0
         else:
             await played.free(0)
         await played.steps(80)
         assert len(played.late) == late and bench.read(dut.done_o) == bool(kept)
         played.late.clear()
+        dut.bank_i.value = 0
+        await load(dut, [(3, 0, 0, 5)])
         dut.bank_i.value = 1
         await again(played, given, row)
         played.asked.clear()
@@ -318,17 +352,20 @@ async def gives_up_for_a_leaf_of_no_decision(dut):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def gives_up_for_a_tag_that_waits_already(dut):
     """Two walkers with one tag would get each other's nodes. An upset says that a free tag waits for an
-    answer: late when it is given to the second tree."""
+    answer: late when it is given to the second tree; or that one does whose answer came: late with the next
+    node."""
     draw = random.Random(bench.SEED)
     given, row = small(draw, dut, 3, depth=2, stop=0), [5, -5, 7]
-    played = await begin(dut, given, lambda number: 40)
-    dut.waiting.value = 0b10
-    await played.row(0, row)
-    dut.go_i.value = 1
-    await played.steps(12)
-    assert [clock - played.asked[1][0] for clock in played.late] == [0]
-    await again(played, given, row)
-    assert len(played.late) == 1
+    for walked in (0, 1):
+        played = await begin(dut, given, lambda number, walked=walked: 2 if walked else 40)
+        await played.row(0, row)
+        dut.go_i.value = 1
+        await played.steps(walked * 12)
+        dut.waiting.value = 0b10
+        await played.steps(12)
+        assert [clock - played.asked[1 + 3 * walked][0] for clock in played.late] == [0]
+        await again(played, given, row)
+        assert len(played.late) == 1
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -375,7 +412,12 @@ async def counts_no_vote_of_what_cannot_be(dut):
         assert await played.votes(context) == [sum(of) for of in zip(*both)], (root, memory)
         await played.free(context)
         assert bench.read(dut.damaged_o) == 0
-    assert played.late == []
+    count, dut.bank_i.value = len(played.asked), 0
+    await load(dut, [(3, 0, 0, 0)])
+    dut.bank_i.value, dut.go_i.value = 1, 1
+    await played.steps(9)
+    assert (bench.read(dut.done_o), len(played.asked)) == (1, count)  # no trees
+    assert await played.votes(0) == [0] * classes and played.late == []
 
 
 async def nothing_else(played, votes, root):
@@ -403,8 +445,10 @@ SPACE = lambda draw: {"Walkers": draw.randint(2, 64), "Contexts": 1 << draw.rand
 
 @pytest.mark.parametrize("classes, walkers, contexts", [(2, 16, 4), (3, 5, 2)])
 def test_forest_engine(classes, walkers, contexts):
+    """The smaller build has one bank, and takes two clocks for a leaf."""
     size = {"Features": 3, "Classes": classes, "Trees": 20, "Nodes": 400, "Leaves": 20}
     size |= {"Walkers": walkers, "Contexts": contexts, "Timeout": 150, "Patience": 150 + 100 * (classes - 2)}
+    size |= {"Banks": 1, "Lanes": 2} if classes == 3 else {}
     bench.run("forest", "forest_engine", size)
 
 
