@@ -9,8 +9,10 @@
 // taken and begun. A load goes to the bank not in use, swap_i puts it in use between two decisions; with one bank
 // the first write waits for the decisions under way, and until swap_i every row gets error 1.
 // Load kinds: 0 node (engine, address), 1 root (engine, tree), 2 vote (row, class << 16), 3 number of trees (engine).
-// Error bits: 1 no forest, 2 the memory did not answer in time, 4 a node or leaf that cannot be (its tree has no vote).
-// Outside: nodes are read at req_*, rsp_*, of each engine, and not loaded here; else block RAM (msn_forest_memory).
+// Error bits: 1 no forest, 2 the memory did not answer in time, or an upset left a leaf too many, 4 a node or leaf that
+// cannot be (its tree has no vote).
+// Outside: nodes are read at req_*, rsp_*, of each engine, and not loaded here; else block RAM (msn_forest_memory). No
+// answer may come later than 16 * Timeout clocks after the last one.
 //
 // Latency: reading and walking, then Classes + Engines + 4 clocks.   Model: model/meissner/twins/forest/forest.py
 
@@ -237,7 +239,7 @@ module msn_forest #(
     msn_forest_engine #(
       .Features(Features), .FeatureBits(FeatureBits), .Classes(Classes), .Trees(Trees), .Nodes(Nodes),
       .Leaves(Leaves), .Banks(Banks), .Walkers(Walkers), .Lanes(Lanes), .Contexts(Contexts),
-      .Timeout(Timeout)
+      .Timeout(Timeout), .Patience(Outside ? 16 * Timeout : Timeout)
     ) u_engine (
       .clk_i, .rst_i,
       .go_i(using_), .oldest_i(oldest), .free_i(free), .flush_i(flush),

@@ -277,7 +277,9 @@ async def a_frame_that_ends_as_the_last_one_is_read_again_waits(dut):
 
 EVIDENCE = {
     "equivalence": {"boxes": True},
-    "faults": {"none": "no frames leave: those of its blocks are injected there"},
+    "faults": {
+        "none": "instances and wires: image_store, pin_phase, pin_limits and pin_shift, each done alone"
+    },
 }
 
 
@@ -307,7 +309,20 @@ def test_refuses_what_cannot_be_shifted_in_time():
             "pin_display", given
         )
     assert DisplaySize(**wide, amplitude_bits=3, chains=2).half == 3
-    for wrong in ({"pins": 1}, {"chains": 9}, {"amplitude_bits": 7}, {"ticks": 3999}, {"min_hz": 401}):
+    for chains, pins in ((7, 35), (2, 2), (8, 50)):
+        DisplaySize(pins=pins, chains=chains)
+    with pytest.raises(ValueError, match="chains = 8 must all have pins"):
+        DisplaySize(pins=35, chains=8)  # five a chain, so seven have all
+    assert "some for each of the chains" in bench.refuses("pin_shift", {"Pins": 35, "Chains": 8})
+    for wrong in (
+        {"pins": 1},
+        {"pins": 4096},
+        {"chains": 9},
+        {"chains": 4, "pins": 5},
+        {"amplitude_bits": 7},
+        {"ticks": 3999},
+        {"min_hz": 401},
+    ):
         with pytest.raises(ValueError, match=next(iter(wrong))):
             DisplaySize(**wrong)
     for wrong in ({"watchdog": 16}, {"top": 256}, {"increment": 1 << 32}):

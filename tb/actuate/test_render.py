@@ -174,7 +174,12 @@ EVIDENCE = {
     "equivalence": {
         "size": {"Image": 1, "Rows": 3, "Columns": 3, "PinRows": 3, "PinColumns": 3, "AmplitudeBits": 6}
     },
-    "faults": {"none": "its frame of pins is shown until the next one: an upset lasts for a frame"},
+    "faults": {
+        "size": {"Image": 1, "Rows": 1, "Columns": 8},
+        # Until a slip ends, 18 frames, stripes stay where they are, or a step behind by a lost frame.
+        "settle": 20,
+        "driver": {"frame": "in_last_i", "when": "in_valid_i", "strobe": "out_valid_o", "rows": 12000},
+    },
 }
 
 SPACE = lambda draw: parameters_of(

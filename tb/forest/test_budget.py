@@ -12,6 +12,7 @@ import meissner
 from forest import recorded
 from forest.test_words import model
 from meissner.budget import forest as budget
+from meissner.builds import config
 from meissner.cli import main
 from meissner.forest import cost, file, rows
 from meissner.forest.reduce import Reducer
@@ -57,6 +58,40 @@ def test_needs_by_hand():
     ranked = file.check(ranked)
     assert cost.word_bits(ranked) == 2 + 2 + 3 + 32  # 2 and the greatest rank, 3, with a sign
     assert cost.needs(ranked, "ice40", 1, 1) == 5 + 2  # 512 words of 8 bits, five times; 300 roots of 9 bits
+
+
+@pytest.mark.parametrize("classes, integer", [(2, True), (3, ())], ids=["two", "three"])
+def test_what_it_needs_is_what_a_core_with_it_needs(classes, integer, tmp_path):
+    """scikit-learn's forests also get columns for missing values."""
+    x, y = load_wine(return_X_y=True)
+    trained = RandomForestClassifier(9, random_state=1).fit(np.rint(x), np.minimum(y, classes - 1))
+    forest = meissner.Forest(trained, integer=integer)
+    forest.to_file(tmp_path / "F.json")
+    given = {"source": "host", "banks": 1, "file": str(tmp_path / "F.json")}
+    tables = {"about": "a", "clock": {"mhz": 12.0}, "sensor": {"kind": "none"}, "forest": given}
+    for engines in (1, 3):
+        tables["forest"] = given | {"engines": engines}
+        built = config.read("a", tables).features["forest"]
+        assert built.size.features == cost.columns(forest.model) > 16
+        for cells in ("ice40", "ecp5"):
+            assert built.rams(cells) == cost.needs(forest.model, cells, engines, 1)
+
+
+@pytest.mark.parametrize(
+    "classes, labels, right",
+    [
+        ([0, 1], ["1", "1.0", "0", "2"], [1, 1, 0, -1]),
+        ([0, 1], [1.0, 0.0, 0.5], [1, 0, -1]),
+        ([False, True], ["True", " 1", "0.0", "no"], [1, 1, 0, -1]),
+        ([0.5, 1.0], ["1", ".5", "x"], [1, 0, -1]),
+        (["1", "01"], ["01", " 1 ", "1.0"], [1, 0, -1]),
+        ([(1 << 63) + 1, 1 << 63], [str(1 << 63), str((1 << 63) + 1)], [1, 0]),
+    ],
+)
+def test_labels_of_data_are_those_of_the_forest(classes, labels, right):
+    forest = meissner.Forest(model(LEAVES, classes))
+    compared = budget.Compared(forest, np.zeros((len(labels), 2)), np.array(labels))
+    assert compared.truth.tolist() == right
 
 
 def test_clocks_by_hand():

@@ -4,9 +4,11 @@ and the command."""
 import io
 import json
 import zipfile
+from itertools import pairwise
 
 import joblib
 import numpy as np
+import onnx
 import onnxruntime
 import pytest
 import skl2onnx
@@ -273,6 +275,18 @@ def test_onnx_files_that_are_no_forest_are_refused(tmp_path, name, field, index,
     (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
     with pytest.raises(ValueError, match=says):
         meissner.Forest.from_file(tmp_path / "m.onnx")
+
+
+def test_an_onnx_file_whose_features_come_from_nowhere_is_refused(tmp_path):
+    """From no input of the file, and from a node that gets its own output."""
+    for names in (["none"], ["here", "here"], ["one", "two", "one"]):
+        made = onnx_of(tmp_path / "m.onnx", KINDS[2].fit(X, Y))
+        next(node for node in made.graph.node if node.op_type == "TreeEnsembleClassifier").input[0] = names[0]
+        for output, source in pairwise(names):
+            made.graph.node.append(onnx.helper.make_node("Identity", [source], [output]))
+        (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+        with pytest.raises(ValueError, match=f"its forest gets '{names[-1]}', which is no input"):
+            meissner.Forest.from_file(tmp_path / "m.onnx")
 
 
 def test_an_onnx_file_may_leave_its_number_of_features_open_but_not_state_any(tmp_path):

@@ -380,7 +380,8 @@ def test_view_of_pins():
 
     written = []
     counts = SimpleNamespace(restarts=0, packets=0, lost=0, damaged=0, images_lost=0, gaps=0, gap_s=0.0)
-    core = Core(counts=counts, registers=True, features=["display"], line=None, ended=False)
+    counts.retries = 0
+    core = Core(counts=counts, retries=3, registers=True, features=["display"], line=None, ended=False)
     shown = view.View(core)
     assert "; 5 pins on, limited; " in shown.line()
     taxels = np.array([[49, 50, 149], [150, 250, 9999]], np.uint16)  # levels 0 1 1, 2 3 3
@@ -396,6 +397,7 @@ def test_view_of_pins():
     for wrong, what in (
         ([[1, 2], [3, 4]], "fit the display: it has 2 x 3"),
         ([[0, 0, 256]] * 2, "level = 256"),
+        ([[0, 0, 1.5]] * 2, "levels must be whole numbers"),
     ):
         with pytest.raises(ValueError, match=what):
             host.Core.show(core, wrong)

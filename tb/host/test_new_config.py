@@ -56,7 +56,7 @@ def test_the_greatest_rate_by_hand(name, changes, clocks, why):
     assert made.rate_hz == 1000 * made.clk_khz / made.period_clocks
     if why:
         found["adc"] = found["adc"] | {"rate_hz": 1000 * made.clk_khz / (made.period_clocks - 1)}
-        most = "" if why == "images" else f"at most {made.rate_hz:.0f} Hz"
+        most = "" if why == "images" else rf"at most {int(made.rate_hz)}[.\d]* Hz"
         with pytest.raises(ValueError, match=f"{why}.*{most}"):
             config.read(name, found)
 
@@ -68,7 +68,19 @@ def test_a_rate_is_a_number_or_max(tmp_path, monkeypatch, capsys):
         config._path("slip1").read_text().replace("rate_hz = 10_000.0", 'rate_hz = "max"')
     )
     cli.main(["config", "show", str(tmp_path / "m.toml")])
-    assert "\n37383.18 samples of each channel a second\n" in capsys.readouterr().out  # 12 MHz / 321
+    assert "\n37383.1775701 samples of each channel a second\n" in capsys.readouterr().out  # 12 MHz / 321
+
+
+def test_the_rate_that_a_refusal_names_is_taken():
+    """Of a long frame, of 7 a second."""
+    found = tables("array64", "max", sensor={"rows": 256, "columns": 256})
+    del found["slip"]
+    found["adc"] |= {"part": "AD7606C-16", "converters": 1, "channels": 7}
+    least = config.read("m", found).least_period
+    with pytest.raises(ValueError, match=r"at most [\d.]+ Hz") as problem:
+        config.read("m", found | {"adc": found["adc"] | {"rate_hz": 1e8 / (least - 1)}})
+    most = float(str(problem.value).split()[-2])
+    assert 0 <= config.read("m", found | {"adc": found["adc"] | {"rate_hz": most}}).period_clocks - least < 20
 
 
 def new(*words):
@@ -227,6 +239,8 @@ def test_it_asks_on_a_terminal_for_what_no_option_says(tmp_path, monkeypatch, ca
         ("--board nano", "board = 'nano' must be one of: icebreaker"),
         ("--channels 9", r"channels = 9 must lie in 1 .. 8"),
         ("--channels 0", r"channels = 0 must be above 0"),
+        ("--rows 4", "rows = 4 does not go with sensor = 'channels'"),
+        ("--sensor array --channels 4", "channels = 4 does not go with sensor = 'array'"),
         ("--rate 60000", r"rate_hz = 60000 is too fast: a conversion takes"),
         ("--rate quick", "rate = 'quick' must be a number, or max"),
         ("--volts 12", r"volts = 12 must lie in 0.25 .. 5.5 for the MCP3208"),

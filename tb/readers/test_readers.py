@@ -88,8 +88,40 @@ EVEN = {  # name: (text, names, unit, samples per second, values by column)
         "ms,x\n" + "".join(f"{int(1.25 * k)},{k % 3}\n" for k in range(200)),
         ("x",), "", 800, [[k % 3 for k in range(200)]],
     ),
+    # Spaces between the columns, and decimal commas; a unit behind a stroke, as DIN 1313 writes it.
+    "spaces_de.txt": (
+        "t/ms U/V W/V\n0,0 1,5 3\n0,5 2,5 2,25\n1,0 ,5 1e-1\n",
+        ("U", "W"), "V", 2000, [[1.5, 2.5, 0.5], [3, 2.25, 0.1]],
+    ),
+    "spaces_only.txt": ("1,5 2\n2,5 3,75\n", ("column 1", "column 2"), "", None, [[1.5, 2.5], [2, 3.75]]),
+    "excel.csv": (
+        "sep=;\r\n7;1,5\r\n5;2,5\r\n;\r\n;\r\n",
+        ("column 1", "column 2"), "", None, [[7, 5], [1.5, 2.5]],
+    ),
+    "pandas.csv": (",0,1\n0,12,13\n1,11,14\n", ("0", "1"), "", None, [[12, 11], [13, 14]]),
+    "keysight.csv": (
+        "x-axis,1\nsecond,Volt\n-1E-3,+2.5E-01\n0.0E+0,-5.0E-01\n", ("1",), "V", 1000, [[0.25, -0.5]],
+    ),
+    "head.csv": ("t (s),a,\n0.0,1\n0.5,3\n", ("a",), "", 2, [[1, 3]]),
+    "dates.csv": ("date;a;b\n01.02.24;5;1,5\n01.02.24;6;2,5\n", ("a", "b"), "", None, [[5, 6], [1.5, 2.5]]),
+    "long.csv": (  # in a moment, too
+        f"# {'sampl' * 40_000}\na{' ' * 90_000}b,c\n1,2\n3,5\n",
+        (f"a{' ' * 90_000}b", "c"), "", None, [[1, 3], [2, 5]],
+    ),
+    "dated.csv": ("when,a\nFri Mar 1 10:00:00,5\nFri Mar 1 10:00:01,6\n", ("a",), "", None, [[5, 6]]),
 }  # fmt: skip
 REFUSED = {
+    "plotter_two.log": ("a:1,2\na:3,5\n", "2 values but the labels a"),
+    "plotter_cut.log": ("7,b:2\na:1,b:2\na:3,b:5\n", "line 1: '7,b:2' has other labels than a, b"),
+    "plotter_end.log": ("a:1,b:2\na:3,b:5\na:4\n", "line 3: 'a:4' has other labels than a, b"),
+    "english.csv": ('t (ms),n\n0,"1,234"\n1,"2,345"\n', "line 2: the comma of '1,234' may be"),
+    "swiss.csv": ("a;b\n1'234.5;2\n1'999.5;3\n", "line 2: a is '1'234.5', no number"),
+    "french.csv": ("a;b\n1 234,5;2\n1 999,5;3\n", "line 2: a is '1 234,5', no number"),
+    "units.csv": ("a,b\n1.5 V,2\n1.6 V,3\n", "line 2: a is '1.5 V', no number"),
+    "remark.csv": ("a,b\n1,2 # of a cell\n2,3 # too\n", "line 2: b is '2 # of a cell', no number"),
+    "hex.csv": ("a,b\n1,0x1F\n2,0x20\n", "line 2: b is '0x1F', no number"),
+    "json.txt": ('{"a":[1,2,3]}\n', "no rows of numbers"),
+    "long.txt": ("samp" * 50_000, "no rows of numbers"),  # in a moment, too
     "two_times.csv": ("Trigger [s],Time [s],Ch0\n0.0,0.0,1200.5\n0.0625,0.0625,1400\n", "2 columns of times"),
     "digital.csv": ("Time [s],Channel 0\n0.0,0\n0.125,1\n0.25,0\n1.0,1\n", "uneven"),
     "missing.csv": ("Time [s],Ch0,Ch1\n0.0,1,\n0.1,2,3\n", "line 2: Ch1 has no value"),

@@ -2,11 +2,13 @@
 one costs, and the best that fits (docs/forest.md, "Budget")."""
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from meissner import files
 from meissner.builds.boards import BOARDS
 from meissner.forest import file, words
 from meissner.forest.cost import RESERVE, clocks, depths, needs, rams, word_bits
@@ -99,12 +101,24 @@ def tell(found):
     return [*text, *columns(rows, numbers=True)]
 
 
+def _number(label):
+    """A label as a number, whatever a table writes for it: 1, 1.0 and True are one; or its text."""
+    text = str(label).strip()
+    text = {"True": "1", "False": "0"}.get(text, text)
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    return text
+
+
 class Compared:
     """Labelled rows, and the classes that the whole forest gives them."""
 
     def __init__(self, forest, x, y):
-        labels = {str(label): index for index, label in enumerate(forest.classes_.tolist())}
-        self.truth = np.array([labels.get(str(each), -1) for each in y.tolist()])
+        classes = forest.classes_.tolist()
+        key = (lambda label: str(label).strip()) if isinstance(classes[0], str) else _number
+        labels = {key(label): index for index, label in enumerate(classes)}
+        self.truth = np.array([labels.get(key(each), -1) for each in y.tolist()])
         if (self.truth < 0).all():
             raise ValueError(f"no label of the data is one of the forest's classes: {plain(str(y[0]))}")
         self.x, self.whole = x, forest.process(x).index
@@ -190,6 +204,8 @@ def command(arguments):
         raise ValueError(f"engines = {engines} must lie in 1 .. 64, banks = {banks} be 1 or 2")
     if arguments.out and not arguments.fit:
         raise ValueError("--out writes the forest that --fit finds")
+    if arguments.out:
+        files.check_out(arguments.out)
     room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
     names = [feature.name for feature in forest.model.features]
     x, y = read(arguments.data, names, labelled=True)[:2] if arguments.data else (None, None)

@@ -210,7 +210,7 @@ def command_show(arguments: Namespace) -> None:
     config = load(arguments.file)
     print(f"{plain(config.name)}: {plain(config.about)}")
     if config.units.rate_hz:
-        print(f"{config.rate_hz:.7g} {config.sampled} a second")
+        print(f"{config.rate_hz:.12g} {config.sampled} a second")
     print("\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")

@@ -23,7 +23,12 @@ def word_bits(model):
     """Bits of a node in block RAM (rtl/forest/msn_forest_memory.sv): kind, feature, threshold, low half."""
     most = max((int(np.abs(tree.threshold).max(initial=0)) for tree in model.trees), default=0)
     threshold = min((most + 1).bit_length() + 1, words.THRESHOLD_BITS)
-    return 2 + max((len(model.features) - 1).bit_length(), 1) + threshold + 32
+    return 2 + max((columns(model) - 1).bit_length(), 1) + threshold + 32
+
+
+def columns(model):
+    """Values of a row that the engines get, those for missing values among them."""
+    return len(words.without_missing(model)[0].features)
 
 
 def sizes(model, engines):
@@ -65,6 +70,6 @@ def clocks(model, walked, engines):
 
 def _clocks(model, steps, engines):
     busiest = np.max([steps[:, own].sum(1) for own in words.spread(model, engines)], axis=0)
-    ends = len(model.features) + len(model.classes) * (engines + 4)
+    ends = columns(model) + len(model.classes) * (engines + 4)
     outside = np.maximum(steps.sum(1) * SDRAM_CLOCKS, WALK_CLOCKS * steps.max(1)) + ends
     return {"block RAM": busiest / SHARE + ends, "SDRAM": outside}

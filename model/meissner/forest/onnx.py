@@ -63,7 +63,7 @@ def _ensemble(graph):
     makers = {name: node for node in graph.node for name in node.output}
     name = found[0].input[0]
     while name in makers:
-        node = makers[name]
+        node = makers.pop(name)  # a chain that comes back to itself ends too
         to = [each.i for each in node.attribute if each.name == "to"]
         if node.op_type == "ZipMap" or to not in ([], [onnx.TensorProto.FLOAT]):
             raise ValueError(f"it changes the features by {node.op_type} before the forest")
@@ -87,7 +87,9 @@ def of_model(model, integer=()):
     ]
     labels = [*map(int, labels)] if "classlabels_int64s" in found else labels
     trees = _trees(found, modes, len(labels))
-    [given] = [each for each in model.graph.input if each.name == name]
+    given = next((each for each in model.graph.input if each.name == name), None)
+    if given is None:
+        raise ValueError(f"its forest gets {name!r:.40}, which is no input of the file")
     sizes = [each.dim_value for each in given.type.tensor_type.shape.dim]
     used = max(int(tree.feature.max(initial=0)) for tree in trees) + 1
     features = sizes[1] if len(sizes) == 2 and sizes[1] else used

@@ -40,6 +40,7 @@ KINDS = dict.fromkeys((".csv", ".tsv", ".txt", ".dat", ".log"), _TEXT) | {
 LEAST_RISING = 4  # rows without names, from which a column in equal steps is taken for a time or an index
 UNEVEN = 0.5  # of the mean step: further off, a row is missing
 ROUNDED = 10  # steps off by the clock's resolution, from which times are rounded and not lost
+LONGEST = 40  # letters of a name in a sentence
 NAMED = 4  # names of columns that a sentence has room for
 
 
@@ -224,7 +225,8 @@ def read(
     told = [f"{path}: {found.how}", f"{size} of {_listed(names)}"]
     if written := sorted({one for one in units if one}):
         told[1] += f" in {_listed(written)}{' as given' if given else ''}"
-    told += [f"{one.name} left out, {why}" for one, why in aside] + ([how_rate] if how_rate else [])
+    told += [f"{one.name or 'a column without a name'} left out, {why}" for one, why in aside]
+    told += [how_rate] if how_rate else []
     if shape is not None:
         values = _framed(name, values, shape)
     frames = shape is not None or found.frames
@@ -251,7 +253,8 @@ def taken(x: Any, samples_first: bool = False) -> Any:
 
 def _listed(names: Sequence[str]) -> str:
     rest = len(names) - NAMED
-    return ", ".join(name or "no unit" for name in names[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
+    first = ", ".join(name[:LONGEST] or "no name" for name in names[:NAMED])
+    return first + (f" and {rest} more" if rest > 0 else "")
 
 
 def _parts(entry: str, found: Table) -> list[str]:

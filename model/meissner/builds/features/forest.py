@@ -161,7 +161,7 @@ def config(keys: Keys, base: "Config") -> Forest:
     model = None if keys.file is None else file.read(Path(keys.file))
     need = None
     if model is not None:
-        model = words.without_missing(model)[0]
+        model = words.without_missing(model, 0 if keys.source == "frames" else keys.features)[0]
         need = size_of(model, keys.engines)
     frames = keys.source == "frames"
     features = rows * columns * (keys.window or 0) if frames else keys.features
