@@ -159,7 +159,8 @@ class Room(NamedTuple):
         for title, board, device, count, _ in devices():
             known[board.name] = known[f"{board.name}:{device}"] = (title, board.cells, count - RESERVE)
         if name not in known:
-            raise ValueError(f"fit = {name} must be one of {', '.join(each.rstrip(':') for each in known)}")
+            names = dict.fromkeys(each.rstrip(":") for each in known)
+            raise ValueError(f"fit = {name} must be one of {', '.join(names)}")
         return cls(*known[name], engines, banks)
 
     def fits(self, model):
@@ -202,11 +203,13 @@ def command(arguments):
     engines, banks = arguments.engines, arguments.banks
     if not 1 <= engines <= 64 or banks not in (1, 2):
         raise ValueError(f"engines = {engines} must lie in 1 .. 64, banks = {banks} be 1 or 2")
-    if arguments.out and not arguments.fit:
+    if arguments.training and not arguments.data:
+        raise ValueError("--training says which nodes matter for the rows of --data, which is missing")
+    if arguments.out and arguments.fit is None:
         raise ValueError("--out writes the forest that --fit finds")
     if arguments.out:
         files.check_out(arguments.out)
-    room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
+    room = Room.of(arguments.fit, engines, banks) if arguments.fit is not None else None
     names = [feature.name for feature in forest.model.features]
     x, y = read(arguments.data, names, labelled=True)[:2] if arguments.data else (None, None)
     found = budget(forest.model, walks(forest, x), engines, banks)
