@@ -206,9 +206,21 @@ def test_the_best_that_fits_is_written(wine, capsys, tmp_path):
     assert boards.BOARDS["ulx3s"].plan(str(tmp_path / "own/mine.toml"), "85F").roles["tx"].port == "tx_o"
 
 
+def test_a_forest_of_leaves_alone():
+    """It has no nodes to cut: every smaller one decides as it does."""
+    none = np.zeros(0, np.int64)
+    alone = file.Tree(none, none, none, none, leaf=0)
+    forest = meissner.Forest(file.Model("", [0, 1], [file.Feature("a")], np.array([[9, 65526]]), [alone] * 2))
+    compared = budget.Compared(forest, np.zeros((3, 1)), np.array([0, 1, 1]))
+    rows = budget.smaller(Reducer(forest, np.zeros((2, 1))), compared)
+    assert len(rows) > 4 and {row[1:] for row in rows} == {(0, 2 / 3, 1.0)}
+
+
 REFUSED = {
     "too large": (["--fit", "icebreaker"], "do not fit icebreaker; give --data"),
     "board": (["--fit", "toaster"], "fit = toaster must be one of icebreaker"),
+    "no board": (["--fit", ""], "fit =  must be one of icebreaker, ulx3s, ulx3s:12F"),
+    "training": (["--training", "rows.npz"], "rows of --data, which is missing"),
     "device": (["--fit", "ulx3s:13F"], "fit = ulx3s:13F must be one of"),
     "out": (["--out", "x.json"], "--out writes the forest that --fit finds"),
     "toml": (["--fit", "ulx3s", "--toml", "a.toml"], "--toml writes a configuration for the forest of --out"),

@@ -168,7 +168,8 @@ class Room(NamedTuple):
             found = title, board.name, device, mhz, board.cells, count - RESERVE
             known[board.name] = known[f"{board.name}:{device}"] = found
         if name not in known:
-            raise ValueError(f"fit = {name} must be one of {', '.join(each.rstrip(':') for each in known)}")
+            names = dict.fromkeys(each.rstrip(":") for each in known)
+            raise ValueError(f"fit = {name} must be one of {', '.join(names)}")
         return cls(*known[name], engines, banks)
 
     def fits(self, model):
@@ -221,7 +222,9 @@ def command(arguments):
     engines, banks = arguments.engines, arguments.banks
     if not 1 <= engines <= 64 or banks not in (1, 2):
         raise ValueError(f"engines = {engines} must lie in 1 .. 64, banks = {banks} be 1 or 2")
-    if arguments.out and not arguments.fit:
+    if arguments.training and not arguments.data:
+        raise ValueError("--training says which nodes matter for the rows of --data, which is missing")
+    if arguments.out and arguments.fit is None:
         raise ValueError("--out writes the forest that --fit finds")
     if arguments.out:
         check_out(arguments.out)
@@ -231,7 +234,7 @@ def command(arguments):
         if check_out(arguments.toml).suffix != ".toml":
             raise ValueError(f"{arguments.toml} must be a .toml file")
         check_kept(arguments.toml, arguments.overwrite, [])
-    room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
+    room = Room.of(arguments.fit, engines, banks) if arguments.fit is not None else None
     if room is not None:
         words.check(words.without_missing(forest.model)[0])
     names = [feature.name for feature in forest.model.features]
