@@ -144,7 +144,9 @@ class Recording:
             )
         why = "volts" if self.unit else "numbers without a unit, taken as volts,"
         if volts_per_code is not None:
-            return np.floor(self.values / volts_per_code + 0.5), f"{why} to codes of {volts_per_code:g} V"
+            codes = np.floor(self.values / volts_per_code + 0.5)
+            ends = f", {codes.min():.9g} .. {codes.max():.9g}" if codes.size else ""
+            return codes, f"{why} to codes of {volts_per_code:g} V{ends}"
         assert converter is not None
         codes, over = converter.convert(self.values)
         clipped = f", {int(over.sum())} beyond its range cut to its ends" if over.any() else ""
