@@ -60,7 +60,7 @@ def _shape(text):
     return int(rows), int(columns)
 
 
-def _reading(parser, shape=False, rate=False, config=False):
+def _reading(parser, shape=False, config=False):
     """What a recording does not say, or says of several things (docs/own_recordings.md)."""
     parser.add_argument(
         "--column",
@@ -72,10 +72,9 @@ def _reading(parser, shape=False, rate=False, config=False):
     parser.add_argument(
         "--volts-per-code", type=float, metavar="V", help="of the converter, for recordings in volts"
     )
-    if rate:
-        parser.add_argument(
-            "--rate", type=float, metavar="HZ", help="samples per second of each channel (the file's)"
-        )
+    parser.add_argument(
+        "--rate", type=float, metavar="HZ", help="samples per second of each channel (the file's)"
+    )
     if config:
         parser.add_argument("--config", metavar="FILE", help="of the array: its converter and its shape")
     if shape:
@@ -161,7 +160,7 @@ def _process(commands):
     )
     slip.add_argument("input", metavar="IN", help=RECORDING)
     _slip_settings(slip, threshold=True)
-    _reading(slip, shape=True, rate=True)
+    _reading(slip, shape=True)
     slip.add_argument(
         "--calibration", metavar="CAL.npz", help="turns an array's codes into forces, with --config"
     )
@@ -521,7 +520,7 @@ def _threshold(commands):
     parser.add_argument(
         "--per-hour", type=float, default=1.0, metavar="N", help="false alarms per hour to promise (1)"
     )
-    _reading(parser, shape=True, rate=True)
+    _reading(parser, shape=True)
     _out(parser, "PICTURE", "the picture, a .png or a .svg file (threshold.png)")
     call = "meissner.threshold:command"
     parser.set_defaults(call=call, engine="fixed", calibration=None, out="threshold.png")

@@ -296,13 +296,25 @@ def test_arrays(tmp_path):
     found = readers.read(tmp_path / "rows.npy")
     assert (found.names, found.unit, found.values.tolist()) == (("Vc",), "V", [[0.0055, 0.0065]])
     scipy.io.savemat(tmp_path / "g.mat", {"note": "nothing"})
-    with pytest.raises(ValueError, match=r"g\.mat has no channel"):
+    with pytest.raises(ValueError, match=r"g\.mat has no channel, only MATLAB 5 with note \(<U1\)"):
         readers.read(tmp_path / "g.mat")
+    assert readers.read(tmp_path / "c.npz", ["right,left"]).values.tolist() == x[::-1].tolist()
+    with pytest.raises(ValueError, match="no column 'middle'; it has left"):
+        readers.read(tmp_path / "c.npz", ["left,middle"])
+    scipy.io.savemat(tmp_path / "h.mat", {"run": {"vc": x[0], "t": np.arange(5) / 8, "gain": 2.0}})
+    found = readers.read(tmp_path / "h.mat")
+    assert (found.names, found.rate_hz) == (("run.vc",), 8) and found.values.tolist() == [x[0].tolist()]
+    np.save(tmp_path / "o.npy", np.array([{}, None]), allow_pickle=True)  # may run code
+    with pytest.raises(ValueError, match=r"o\.npy is not a \.npy file of numbers"):
+        readers.read(tmp_path / "o.npy")
 
 
 def wav(samples, rate, bits=16, kind=1):
     """A WAV file by its published layout: ``samples`` [frames, channels]."""
-    body = np.asarray(samples, f"<i{bits // 8}" if kind == 1 else "<f4").tobytes()
+    if bits == 24:
+        body = b"".join(int(value).to_bytes(3, "little", signed=True) for value in np.ravel(samples))
+    else:
+        body = np.asarray(samples, f"<i{bits // 8}" if kind == 1 else "<f4").tobytes()
     channels = np.shape(samples)[1]
     block = channels * bits // 8
     head = b"fmt " + struct.pack("<IHHIIHH", 16, kind, channels, rate, rate * block, block, bits)
@@ -323,6 +335,13 @@ def test_a_wav_says_neither_volts_nor_codes(tmp_path):
     with pytest.raises(ValueError, match="shares of full scale"):
         found.scaled(volts_per_code=0.1)
     assert readers.read(path, unit="codes").scaled()[0].tolist() == [[1, 300, 5], [-2, -400, 6]]
+    for bits in (24, 32):
+        path.write_bytes(wav([[1, -2], [300, -400], [5, 6]], 44100, bits))
+        found = readers.read(path, unit="codes")
+        assert found.scaled()[0].tolist() == [[1, 300, 5], [-2, -400, 6]]
+        path.write_bytes(path.read_bytes()[: -2 * bits // 8])
+        with pytest.raises(ValueError, match=r"a\.wav is not a complete .* EOF"):
+            readers.read(path, unit="codes")
     path.write_bytes(wav([[0.5], [-0.25]], 8000, 32, 3))
     assert readers.read(path, unit="V").scaled(0.25)[0].tolist() == [[2, -1]]
 
@@ -401,6 +420,20 @@ def test_an_mcap_of_any_robot(tmp_path):
     bag_of(path, {"/touch": (kind, ARRAY, [*rows, (2 * 10**9, cdr_array([1]))])})
     with pytest.raises(ValueError, match="change their size"):
         readers.read(path)
+    bag_of(path, {"/touch": (kind, ARRAY, rows[::-1])})  # as several threads may write it
+    assert readers.read(path).values[0].tolist() == [0, 1, 4, 9]
+    with pytest.raises(ValueError, match="no topic with numbers '/touh'; without --column: MCAP, topic /to"):
+        readers.read(path, ["/touh"])
+    cdr = b"\0\1\0\0"
+    octets = [(5 + k, cdr + struct.pack("<I3B", 3, k, 7, 200 + k)) for k in range(2)]
+    bag_of(path, {"/touch": ("a/msg/Octets", "uint8[] data", octets)})
+    assert readers.read(path).values.tolist() == [[0, 1], [7, 7], [200, 201]]
+    force = [(5 + k, cdr + struct.pack("<I4xdd", k, k / 4, -k)) for k in range(3)]
+    bag_of(path, {"/force": ("a/msg/Force", "uint32 seq\nfloat64 x\nfloat64 y", force)})
+    with pytest.raises(ValueError, match=r"numbers in /force\.x, /force\.y: choose"):
+        readers.read(path)
+    found = readers.read(path, ["/force.y,/force.x"])
+    assert (found.names, found.values.tolist()) == (("/force.y", "/force.x"), [[0, -1, -2], [0, 0.25, 0.5]])
     bag_of(path, {"/note": text})
     with pytest.raises(ValueError, match=r"holds no numbers, only /note \(std_msgs/msg/String\)"):
         readers.read(path)
@@ -474,8 +507,20 @@ def test_hdf5(tmp_path):
     found = readers.read(tmp_path / "a.h5")
     assert (found.names, found.unit, found.rate_hz) == (("run/vc 1", "run/vc 2"), "V", 2000)
     assert found.values == pytest.approx(x.repeat(2, 1) / 1000)
-    (tmp_path / "a.h5").rename(tmp_path / "b.mat")  # MATLAB 7.3 writes HDF5
+    with h5py.File(tmp_path / "a.h5", "a") as file:  # MATLAB 7.3 writes HDF5, and letters as numbers
+        file.create_dataset("who", data=np.array([[104], [105]], "u2")).attrs["MATLAB_class"] = "char"
+    (tmp_path / "a.h5").rename(tmp_path / "b.mat")
     assert readers.read(tmp_path / "b.mat").values.shape == (2, 6)
+    with h5py.File(tmp_path / "c.h5", "w") as file:
+        file["run/time"], file["run/vc"] = np.arange(5) / 8, np.arange(5) ** 2
+        file["rows"] = np.array([(7, 2.0)] * 5, [("index", "i4"), ("vc", "f8")])
+        file["run/time"].attrs["fs"] = 9.0
+    found = readers.read(tmp_path / "c.h5")
+    assert (found.names, found.rate_hz) == (("rows.index", "rows.vc", "run/vc"), 8)
+    with h5py.File(tmp_path / "d.h5", "w") as file:
+        file.create_dataset("x", (10**13,), "f8", chunks=(1000,))
+    with pytest.raises(ValueError, match=r"d\.h5 would take 80000\.0 GB of memory"):
+        readers.read(tmp_path / "d.h5")
 
 
 def test_tdms(tmp_path):

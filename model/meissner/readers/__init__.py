@@ -60,8 +60,10 @@ def table(path: str | PathLike[str], column: Sequence[str] = ()) -> Table:
     function = getattr(import_module(f"meissner.readers.{module}"), name)
     try:
         return function(path, tuple(column)) if kind in _CHOOSING else function(path)
-    except (MemoryError, PermissionError, FileNotFoundError):
+    except (PermissionError, FileNotFoundError):
         raise
+    except MemoryError:
+        raise ValueError(f"{path} would take more memory than this machine has") from None
     except Exception as problem:  # of any kind: a damaged file breaks its parser anywhere
         what = (str(problem).splitlines() or [""])[0] or type(problem).__name__
         if isinstance(problem, ValueError) and what.startswith(str(path)):
@@ -142,7 +144,9 @@ class Recording:
             )
         why = "volts" if self.unit else "numbers without a unit, taken as volts,"
         if volts_per_code is not None:
-            return np.floor(self.values / volts_per_code + 0.5), f"{why} to codes of {volts_per_code:g} V"
+            codes = np.floor(self.values / volts_per_code + 0.5)
+            ends = f", {codes.min():.9g} .. {codes.max():.9g}" if codes.size else ""
+            return codes, f"{why} to codes of {volts_per_code:g} V{ends}"
         assert converter is not None
         codes, over = converter.convert(self.values)
         clipped = f", {int(over.sum())} beyond its range cut to its ends" if over.any() else ""
@@ -202,7 +206,12 @@ def read(
         raise ValueError(f"rate = {rate:g} must be a number of samples per second above 0")
     column = column or ()
     found, name = table(path, column), str(path)
-    wanted = [] if found.topic else [part for entry in column for part in _parts(entry, found)]
+    wanted = [part for entry in column for part in _parts(entry, found)]
+    if found.topic:
+        topics = {name for one in found.columns for name in (one.name, one.name.split(".")[0])}
+        if other := [part for part in wanted if part not in topics]:
+            raise ValueError(f"{path} has no topic with numbers '{other[0]}'; without --column: {found.how}")
+        wanted = []
     channels, aside = _channels(name, found, wanted, samples_first)
     rate_hz, how_rate = _rate(name, found, [one for one, _ in aside if one.is_time], rate)
     given = None if unit is None else unit_of(unit)

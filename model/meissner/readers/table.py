@@ -41,13 +41,18 @@ class Column:
         return self.values.ndim == 1 and self.values.dtype.kind in "iuf"
 
     @property
+    def _last(self) -> str:
+        """The name, without the group of a file or the struct that it is in; a topic's begins with "/"."""
+        return self.name if self.name.startswith("/") else re.split(r"[./](?=.)", self.name)[-1]
+
+    @property
     def is_time(self) -> bool:
-        return self._rows and bool(self.unit in TIMES or (self.named and _TIME.fullmatch(self.name)))
+        return self._rows and bool(self.unit in TIMES or (self.named and _TIME.fullmatch(self._last)))
 
     @property
     def is_index(self) -> bool:
         """A counter by its name, whose values rise by whole numbers."""
-        if not (self._rows and self.named and _INDEX.fullmatch(self.name)) or len(self.values) < 2:
+        if not (self._rows and self.named and _INDEX.fullmatch(self._last)) or len(self.values) < 2:
             return False
         steps = np.diff(self.values.astype(np.float64))
         return bool((steps > 0).all() and (steps == np.rint(steps)).all())
