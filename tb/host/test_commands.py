@@ -225,15 +225,17 @@ def test_log_and_replay(meissner, port):
 
 
 def stopped(command, name, which=signal.SIGINT):
-    """(exit code, stdout, stderr) of a command that logs and gets a signal once it has kept two images."""
+    """(exit code, stdout, stderr) of a command that logs and gets a signal once it has kept two images and a
+    change of a state."""
     spool = Path(f"{name}.part.{'rows' if str(name).endswith('.npz') else 'mcap'}")
     with command as child:
-        kept = 0
-        while kept < 2:
+        kept = False
+        while not kept:
             assert child.poll() is None, child.communicate()
             time.sleep(0.02)
             with contextlib.suppress(ValueError):  # it has not begun
-                kept = len(log.read(spool)["image"])
+                found = log.read(spool)
+                kept = len(found["image"]) >= 2 and len(found["change_time"]) >= 1
         child.send_signal(which)
         out, err = child.communicate()
     return child.returncode, out, err
@@ -381,7 +383,8 @@ def test_view_of_pins():
 
     written = []
     counts = SimpleNamespace(restarts=0, packets=0, lost=0, damaged=0, images_lost=0, gaps=0, gap_s=0.0)
-    core = Core(counts=counts, registers=True, features=["display"], line=None, ended=False)
+    counts.retries = 0
+    core = Core(counts=counts, retries=3, registers=True, features=["display"], line=None, ended=False)
     core.units = SimpleNamespace(clk_khz=25_000, rows=2)
     shown = view.View(core)
     assert "; 5 pins on, 230 Hz, limited; " in shown.line()
@@ -398,6 +401,7 @@ def test_view_of_pins():
     for wrong, what in (
         ([[1, 2], [3, 4]], "fit the display: it has 2 x 3"),
         ([[0, 0, 256]] * 2, "level = 256"),
+        ([[0, 0, 1.5]] * 2, "levels must be whole numbers"),
     ):
         with pytest.raises(ValueError, match=what):
             host.Core.show(core, wrong)

@@ -92,10 +92,9 @@ def _calibrate(core: "Core", lines: calibration.Calibration, path: str, say: Cal
 
 
 def _plant(core: "Core", model: "Model", path: str, say: Callable[[str], object]) -> None:
-    from meissner.forest import words
     from meissner.host.forest import check, load
 
-    check(core, words.without_missing(model)[0])
+    check(core, model)
     say(f"writing the forest of {len(model.trees)} trees, {model.nodes} nodes, in {path} into the core")
     load(core, model)
     say("the core decides by this forest")
