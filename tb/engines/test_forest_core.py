@@ -190,7 +190,9 @@ def test_examples_are_builds():
         >= {"Forest": 1, "ForestFeatures": 54, "ForestNodes": 49_152, "Grip": 1}.items()
     )
     assert build.settings.items() >= {"forest.slip": 2, "forest.grip": 1}.items()
-    with pytest.raises(ValueError, match=r"\[forest\]: 49152 nodes .* 2 banks need .* ulx3s 85F has 204"):
+    outside = config.load(ROOT / "examples/forest/sdram_ulx3s.toml").parameters
+    assert outside.items() >= {"ForestSdram": 1, "ForestNodes": 1 << 21, "ClkKhz": 100_000}.items()
+    with pytest.raises(ValueError, match=r"\[forest\]: 49152 nodes .* 2 banks need .* ulx3s 85F has 207"):
         config.read("rope", rope | {"forest": rope["forest"] | {"banks": 2}})
 
 

@@ -206,7 +206,7 @@ def shown(scene: Any, arguments: Namespace) -> Iterator[Callable[[Path], None]]:
 
     pipe = simulated.of_scenes([scene], seed=arguments.seed)
     with Core(Pipe(pipe, scene.name), pipe.units, say=_tell) as core:
-        source = web.OfCore(core, scene.name)
+        source = web.OfCore(core, pipe.title)
         say = _tell if arguments.json else _print
         with web.beside(source, _port(arguments), say) as stay:
 

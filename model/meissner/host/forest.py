@@ -8,8 +8,8 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.builds.features.forest import Size, size_of
 from meissner.forest import place, words
+from meissner.forest.cost import Size, size_of
 from meissner.forest.file import Model
 from meissner.forest.forest import Forest, ForestResult
 from meissner.host.core import Core
@@ -66,6 +66,7 @@ def check(core: Core, model: Model) -> Model:
         leaves=core["forest.leaves"] or 1,
         bits=core["forest.size.bits"],
     )
+    words.check(model)
     need = size_of(model, max(1, core["forest.size.engines"]))
     for name, least in vars(need).items():
         there = getattr(room, name)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from meissner.builds.build import Config
 
 PARAMETERS = {"Display": 1}
+TAKES = "computing a frame"
 TICKS = 4000  # of a second
 Side = Annotated[int, Meta(ge=1, le=128)]
 Share = Annotated[float, Meta(ge=0, le=1)]
@@ -63,19 +64,17 @@ def shape_of(base: "Config") -> tuple[int, int] | None:
     return None if base.kind == "electrodes" else base.shape
 
 
+def clocks(base: "Config") -> int:
+    return int(base.features["display"].render_of(shape_of(base)).clocks)
+
+
 def check(base: "Config") -> None:
     if base.kind == "channels" and base.channels < 2:
         raise ValueError("[display] must go with an array, two channels or more, or four electrodes")
     if base.serial:
         raise ValueError("[display] must go with serial = false")
     display = base.features["display"]
-    clocks = display.render_of(shape_of(base)).clocks
-    if clocks > base.period_clocks:
-        raise ValueError(
-            f"[adc]: rate_hz = {base.rate_hz:g} is too fast for [display]: computing a frame takes "
-            f"{clocks} clocks, so at most {1000 * base.clk_khz / clocks:.0f} Hz"
-        )
-    stop, frame = display.pins.stop * display.size.tick_clocks, base.period_clocks + clocks
+    stop, frame = display.pins.stop * display.size.tick_clocks, base.period_clocks + clocks(base)
     if not display.host and stop <= frame:
         stop_s, least = (count / (1000 * base.clk_khz) for count in (stop, frame))
         raise ValueError(
