@@ -219,7 +219,7 @@ def test_a_weak_drive_and_slow_frames(sound):
 
 
 def test_a_recording_shorter_than_three_drive_periods(sound):
-    with pytest.raises(ValueError, match="hz is too low: 2 drive periods"):
+    with pytest.raises(ValueError, match="hz is too low: 1 drive periods in a recording, not 3"):
         score(TOUCH, hz=1.0)
 
 
