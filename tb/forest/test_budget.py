@@ -71,6 +71,40 @@ def test_needs_by_hand():
     assert cost.block_rams(six, "ecp5") == 6 + 1 + 4 * 2  # 1400 words in each of four lanes
 
 
+@pytest.mark.parametrize("classes, integer", [(2, True), (3, ())], ids=["two", "three"])
+def test_what_it_needs_is_what_a_core_with_it_needs(classes, integer, tmp_path):
+    """scikit-learn's forests also get columns for missing values."""
+    x, y = load_wine(return_X_y=True)
+    trained = RandomForestClassifier(9, random_state=1).fit(np.rint(x), np.minimum(y, classes - 1))
+    forest = meissner.Forest(trained, integer=integer)
+    forest.to_file(tmp_path / "F.json")
+    given = {"source": "host", "banks": 1, "file": str(tmp_path / "F.json")}
+    tables = {"about": "a", "clock": {"mhz": 12.0}, "sensor": {"kind": "none"}, "forest": given}
+    for engines in (1, 3):
+        tables["forest"] = given | {"engines": engines}
+        built = config.read("a", tables).features["forest"]
+        assert built.size.features == cost.columns(forest.model) > 16
+        for cells in ("ice40", "ecp5"):
+            assert built.rams(cells) == cost.needs(forest.model, cells, engines, 1)
+
+
+@pytest.mark.parametrize(
+    "classes, labels, right",
+    [
+        ([0, 1], ["1", "1.0", "0", "2"], [1, 1, 0, -1]),
+        ([0, 1], [1.0, 0.0, 0.5], [1, 0, -1]),
+        ([False, True], ["True", " 1", "0.0", "no"], [1, 1, 0, -1]),
+        ([0.5, 1.0], ["1", ".5", "x"], [1, 0, -1]),
+        (["1", "01"], ["01", " 1 ", "1.0"], [1, 0, -1]),
+        ([(1 << 63) + 1, 1 << 63], [str(1 << 63), str((1 << 63) + 1)], [1, 0]),
+    ],
+)
+def test_labels_of_data_are_those_of_the_forest(classes, labels, right):
+    forest = meissner.Forest(model(LEAVES, classes))
+    compared = budget.Compared(forest, np.zeros((len(labels), 2)), np.array(labels))
+    assert compared.truth.tolist() == right
+
+
 def test_clocks_by_hand():
     """Rows of 3 + 2 + 1 and 2 + 1 + 1 nodes. Block RAM: a node in 1/0.95 clocks, 2 features, 2 * 5 for the
     votes. Two engines: 3 and 2 + 1. SDRAM: 28 for each node of the longest walk, which is more than 4.2 a
@@ -172,9 +206,21 @@ def test_the_best_that_fits_is_written(wine, capsys, tmp_path):
     assert boards.BOARDS["ulx3s"].plan(str(tmp_path / "own/mine.toml"), "85F").roles["tx"].port == "tx_o"
 
 
+def test_a_forest_of_leaves_alone():
+    """It has no nodes to cut: every smaller one decides as it does."""
+    none = np.zeros(0, np.int64)
+    alone = file.Tree(none, none, none, none, leaf=0)
+    forest = meissner.Forest(file.Model("", [0, 1], [file.Feature("a")], np.array([[9, 65526]]), [alone] * 2))
+    compared = budget.Compared(forest, np.zeros((3, 1)), np.array([0, 1, 1]))
+    rows = budget.smaller(Reducer(forest, np.zeros((2, 1))), compared)
+    assert len(rows) > 4 and {row[1:] for row in rows} == {(0, 2 / 3, 1.0)}
+
+
 REFUSED = {
     "too large": (["--fit", "icebreaker"], "do not fit icebreaker; give --data"),
     "board": (["--fit", "toaster"], "fit = toaster must be one of icebreaker"),
+    "no board": (["--fit", ""], "fit =  must be one of icebreaker, ulx3s, ulx3s:12F"),
+    "training": (["--training", "rows.npz"], "rows of --data, which is missing"),
     "device": (["--fit", "ulx3s:13F"], "fit = ulx3s:13F must be one of"),
     "out": (["--out", "x.json"], "--out writes the forest that --fit finds"),
     "toml": (["--fit", "ulx3s", "--toml", "a.toml"], "--toml writes a configuration for the forest of --out"),

@@ -112,6 +112,15 @@ def test_sizes_of_a_file(tmp_path):
         of(FINGER, file=str(path))
 
 
+def test_the_greatest_rate_leaves_time_for_a_decision(tmp_path):
+    file.write(tmp_path / "F.json", forest(random.Random(4), 54, 3, 900, leaves=5, span=100, depth=3))
+    rate = lambda hz: FINGER | {"adc": FINGER["adc"] | {"rate_hz": hz}, "link": {"baud": 12_500_000}}
+    found = of(rate("max"), file=str(tmp_path / "F.json"))
+    assert found.period_clocks > 2 * found.least_period
+    with pytest.raises(ValueError, match=r"too fast for \[forest\]: a decision takes up to"):
+        of(rate(5e7 / (found.period_clocks - 1)), file=str(tmp_path / "F.json"))
+
+
 def test_bits_hold_every_threshold_and_what_is_beyond():
     """t in b bits: -2^(b-1) <= t <= 2^(b-1) - 2, so that a value that is held goes the same way."""
     for bits in (2, 5, 22):

@@ -3,6 +3,7 @@ one costs, and the best that fits (docs/forest.md, "Budget")."""
 
 import json
 import os
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -106,12 +107,24 @@ def tell(found):
     return [*text, *columns(rows, numbers=True)]
 
 
+def _number(label):
+    """A label as a number, whatever a table writes for it: 1, 1.0 and True are one; or its text."""
+    text = str(label).strip()
+    text = {"True": "1", "False": "0"}.get(text, text)
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    return text
+
+
 class Compared:
     """Labelled rows, and the classes that the whole forest gives them."""
 
     def __init__(self, forest, x, y):
-        labels = {str(label): index for index, label in enumerate(forest.classes_.tolist())}
-        self.truth = np.array([labels.get(str(each), -1) for each in y.tolist()])
+        classes = forest.classes_.tolist()
+        key = (lambda label: str(label).strip()) if isinstance(classes[0], str) else _number
+        labels = {key(label): index for index, label in enumerate(classes)}
+        self.truth = np.array([labels.get(key(each), -1) for each in y.tolist()])
         if (self.truth < 0).all():
             raise ValueError(f"no label of the data is one of the forest's classes: {plain(str(y[0]))}")
         self.x, self.whole = x, forest.process(x).index
@@ -156,7 +169,8 @@ class Room(NamedTuple):
             found = title, board.name, device, mhz, board.cells, count - RESERVE
             known[board.name] = known[f"{board.name}:{device}"] = found
         if name not in known:
-            raise ValueError(f"fit = {name} must be one of {', '.join(each.rstrip(':') for each in known)}")
+            names = dict.fromkeys(each.rstrip(":") for each in known)
+            raise ValueError(f"fit = {name} must be one of {', '.join(names)}")
         return cls(*known[name], engines, banks)
 
     def fits(self, model):
@@ -209,15 +223,19 @@ def command(arguments):
     engines, banks = arguments.engines, arguments.banks
     if not 1 <= engines <= 64 or banks not in (1, 2):
         raise ValueError(f"engines = {engines} must lie in 1 .. 64, banks = {banks} be 1 or 2")
-    if arguments.out and not arguments.fit:
+    if arguments.training and not arguments.data:
+        raise ValueError("--training says which nodes matter for the rows of --data, which is missing")
+    if arguments.out and arguments.fit is None:
         raise ValueError("--out writes the forest that --fit finds")
+    if arguments.out:
+        check_out(arguments.out)
     if arguments.toml:
         if not arguments.out:
             raise ValueError("--toml writes a configuration for the forest of --out")
         if check_out(arguments.toml).suffix != ".toml":
             raise ValueError(f"{arguments.toml} must be a .toml file")
         check_kept(arguments.toml, arguments.overwrite, [])
-    room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
+    room = Room.of(arguments.fit, engines, banks) if arguments.fit is not None else None
     if room is not None:
         words.check(words.without_missing(forest.model)[0])
     names = [feature.name for feature in forest.model.features]

@@ -36,6 +36,11 @@ class Size:
     bits: int
 
 
+def columns(model):
+    """Values of a row that the engines get, those for missing values among them."""
+    return len(words.without_missing(model)[0].features)
+
+
 def bits_of(model: file.Model) -> int:
     """Bits of a feature with which no threshold and no value on either side of it is lost."""
     every = np.concatenate([tree.threshold for tree in model.trees])
@@ -137,6 +142,6 @@ def clocks(model, walked, engines):
 
 def _clocks(model, steps, engines):
     busiest = np.max([steps[:, own].sum(1) for own in words.spread(model, engines)], axis=0)
-    ends = len(model.features) + len(model.classes) * (engines + 4)
+    ends = columns(model) + len(model.classes) * (engines + 4)
     outside = np.maximum(steps.sum(1) * SDRAM_CLOCKS, WALK_CLOCKS * steps.max(1)) + ends
     return {"block RAM": busiest / SHARE + ends, "SDRAM": outside}

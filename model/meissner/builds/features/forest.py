@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from meissner.builds.build import Config
 
 PARAMETERS = {"Forest": 1}
+TAKES = "a decision"
 SDRAM_KHZ = 100_000  # docs/sdram.md: with four clocks from a command to its data
 SLIPS = 32  # classes that forest.slip has a bit for
 LARGEST = "ulx3s 85F", "ecp5", 208  # the device with the most block RAM
@@ -89,6 +90,16 @@ class Forest:
             )
 
 
+def clocks(base: "Config") -> int:
+    """The longest decision of its file; 1 of rows from a host, who waits."""
+    forest: Forest = base.features["forest"]
+    if not forest.frames or forest.model is None:
+        return 1
+    longest = np.array([[max(cost.depths(tree), 1) for tree in forest.model.trees]])
+    worst = cost.clocks(forest.model, (longest, longest), forest.engines)
+    return int(worst["SDRAM" if forest.sdram else "block RAM"][1])
+
+
 def check(base: "Config") -> None:
     if base.serial or not base.link.registers:
         raise ValueError("[forest] must go with serial = false and registers = true, which load it")
@@ -105,15 +116,6 @@ def check(base: "Config") -> None:
         forest.check_room(*LARGEST)
     elif forest.size.nodes > BANKS * BANK_WORDS // forest.banks:
         raise ValueError(f"[forest]: {forest.size.nodes} nodes in {forest.banks} banks do not fit the SDRAM")
-    if forest.frames and forest.model is not None:
-        longest = np.array([[max(cost.depths(tree), 1) for tree in forest.model.trees]])
-        worst = cost.clocks(forest.model, (longest, longest), forest.engines)
-        needed = worst["SDRAM" if forest.sdram else "block RAM"][1]
-        if needed > base.period_clocks:
-            raise ValueError(
-                f"[adc]: rate_hz = {base.rate_hz:g} is too fast for the forest: a decision takes up to "
-                f"{needed} clocks, so at most {1000 * base.clk_khz / needed:.0f} Hz"
-            )
 
 
 def config(keys: Keys, base: "Config") -> Forest:
@@ -122,7 +124,7 @@ def config(keys: Keys, base: "Config") -> Forest:
     model = None if keys.file is None else file.read(Path(keys.file))
     need = None
     if model is not None:
-        model = words.without_missing(model)[0]
+        model = words.without_missing(model, 0 if keys.source == "frames" else keys.features)[0]
         words.check(model)
         need = cost.size_of(model, keys.engines)
     frames = keys.source == "frames"
