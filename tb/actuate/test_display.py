@@ -2,6 +2,7 @@
 sensor, damaged frames of a host, a slip's octant. The model's words by hand."""
 
 import random
+import re
 from itertools import pairwise
 
 import cocotb
@@ -11,6 +12,7 @@ from cocotb.utils import get_sim_time
 
 import bench
 import members
+from meissner.builds import config
 from meissner.twins.actuate.display import DisplayConfig, words
 from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize
 from meissner.twins.actuate.render import RenderSettings
@@ -280,3 +282,41 @@ def test_words_by_hand():
     for wrong in (-1, 256):
         with pytest.raises(ValueError, match="level"):
             words([[wrong, 0]])
+
+
+PAD = {
+    "about": "a",
+    "clock": {"mhz": 24.0},
+    "sensor": {"kind": "array", "rows": 2, "columns": 4},
+    "adc": {"part": "MCP3208", "channels": 4, "volts": 5.0, "rate_hz": 100.0, "settle_us": 2.0},
+    "array": {"health": False, "tare": False},
+}
+FINGERS = PAD | {"sensor": {"kind": "channels", "channels": 3}, "adc": {"part": "MCP3208", "volts": 5.0}}
+FINGERS["adc"] |= {"rate_hz": 1000.0}
+FINGERS["slip"] = {"window": 32, "threshold_p2p_v": 0.02, "gross_threshold_p2p_v": 0.1, "contact_rises": True}
+FINGERS["slip"] |= {"contact_level_v": 1.5, "release_level_v": 1.0}
+del FINGERS["array"]
+LIMITS = [  # the build, keys of [display] that are taken, one of them beyond, what the sentence names
+    (PAD, {"rows": 1, "columns": 2}, {"columns": 1}, "2 pins"),
+    (PAD, {"rows": 63, "columns": 65, "chains": 8, "amplitude_bits": 1}, {"rows": 64, "columns": 64}, "pins"),
+    (PAD, {"rows": 7, "columns": 5, "chains": 7}, {"chains": 8}, "chains = 8 must all have pins"),
+    (PAD, {"duty": 0.0003, "drive_hz": 400.0}, {"duty": 0.000275}, "duty = 0.000275 must be at least 0.0003"),
+    (PAD, {"duty": 0.10005, "drive_hz": 1.0}, {"duty": 0.1}, "duty = 0.1 must be at least 0.10005"),
+    (PAD, {"duty": 1}, {"duty": 0}, "duty = 0 must be at least"),
+    (PAD, {"most_pins": 1}, {"most_pins": 0}, "most_pins = 0"),
+    (PAD, {"burst_s": 0.4, "burst_on_s": 0.4}, {"burst_on_s": 0}, "burst_on_s must be above 0"),
+    (PAD, {"stop_s": 0.0105}, {"stop_s": 0.01}, "stop_s = 0.01 must be above 0.01"),
+    (PAD, {"stop_s": 0.01, "source": "host"}, {"source": "sensor"}, "stop_s = 0.01"),
+    (PAD, {"floor_codes": 65519}, {"floor_codes": 65520}, "floor_codes = 65520 must be at most 65519"),
+    (FINGERS, {"floor_codes": 4095}, {"floor_codes": 4096}, "floor_codes = 4096 must be at most 4095"),
+    (FINGERS, {"step_codes": 4095}, {"step_codes": 4096}, "step_codes = 4096 must be at most 4095"),
+]
+
+
+@pytest.mark.parametrize("build, taken, beyond, says", LIMITS, ids=[says for *_, says in LIMITS])
+def test_a_display_that_could_never_show_anything_is_refused(build, taken, beyond, says):
+    """A period of 400 Hz is 10 ticks, of 1 Hz 4000; the next needs room for two more; 10 s have 40,000."""
+    config.read("a", build | {"display": taken})
+    with pytest.raises(ValueError, match=re.escape(says)) as problem:
+        config.read("a", build | {"display": taken | beyond})
+    assert "[display]" in str(problem.value)

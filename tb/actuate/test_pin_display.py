@@ -317,6 +317,11 @@ def test_refuses_what_cannot_be_shifted_in_time():
             "pin_display", given
         )
     assert DisplaySize(**wide, amplitude_bits=3, chains=2).half == 3
+    for chains, pins in ((7, 35), (2, 2), (8, 50)):
+        DisplaySize(pins=pins, chains=chains)
+    with pytest.raises(ValueError, match="chains = 8 must all have pins"):
+        DisplaySize(pins=35, chains=8)  # five a chain, so seven have all
+    assert "some for each of the chains" in bench.refuses("pin_shift", {"Pins": 35, "Chains": 8})
     for wrong in (
         {"pins": 1},
         {"pins": 4096},
