@@ -225,15 +225,17 @@ def test_log_and_replay(meissner, port):
 
 
 def stopped(command, name, which=signal.SIGINT):
-    """(exit code, stdout, stderr) of a command that logs and gets a signal once it has kept two images."""
+    """(exit code, stdout, stderr) of a command that logs and gets a signal once it has kept two images and a
+    change of a state."""
     spool = Path(f"{name}.part.{'rows' if str(name).endswith('.npz') else 'mcap'}")
     with command as child:
-        kept = 0
-        while kept < 2:
+        kept = False
+        while not kept:
             assert child.poll() is None, child.communicate()
             time.sleep(0.02)
             with contextlib.suppress(ValueError):  # it has not begun
-                kept = len(log.read(spool)["image"])
+                found = log.read(spool)
+                kept = len(found["image"]) >= 2 and len(found["change_time"]) >= 1
         child.send_signal(which)
         out, err = child.communicate()
     return child.returncode, out, err
