@@ -23,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 # In docs: {name: (line, second of the page at which it is taken, height)}.
 PICTURES = {
     "live_page": ("sim:", 11, 990),
+    "start/live_slip1": ("core:slip1", 5.4, 720),
     "start/live_fingertip": ("core:fingertip", 1.5, 990),
     "start/live_array": ("sim:fsr_64x64", 8.4, 990),
 }
