@@ -214,6 +214,10 @@ def test_ctrl_c_ends_in_one_sentence_and_leaves_nothing(tmp_path, monkeypatch, r
         cli.main([*map(str, slip(tmp_path / "in.npy", out=tmp_path / "out.npz"))])
     assert capsys.readouterr() == ("", "meissner: interrupted\n")
     assert sorted(tmp_path.iterdir()) == before
+    monkeypatch.setattr("meissner.parser.parser", interrupted)  # while the command begins
+    with pytest.raises(SystemExit, match="130"):
+        cli.main(["scenes"])
+    assert capsys.readouterr() == ("", "meissner: interrupted\n")
 
 
 def test_an_output_is_replaced_only_where_that_is_asked_for(tmp_path):
