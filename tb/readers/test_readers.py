@@ -426,7 +426,8 @@ def test_an_mcap_of_any_robot(tmp_path):
         readers.read(path, ["/touh"])
     cdr = b"\0\1\0\0"
     octets = [(5 + k, cdr + struct.pack("<I3B", 3, k, 7, 200 + k)) for k in range(2)]
-    bag_of(path, {"/touch": ("a/msg/Octets", "uint8[] data", octets)})
+    camera = ("a/msg/CompressedImage", "string format\nuint8[] data", [(9, cdr + bytes(12))])
+    bag_of(path, {"/touch": ("a/msg/Octets", "uint8[] data", octets), "/camera": camera})
     assert readers.read(path).values.tolist() == [[0, 1], [7, 7], [200, 201]]
     force = [(5 + k, cdr + struct.pack("<I4xdd", k, k / 4, -k)) for k in range(3)]
     bag_of(path, {"/force": ("a/msg/Force", "uint32 seq\nfloat64 x\nfloat64 y", force)})
