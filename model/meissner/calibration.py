@@ -214,7 +214,7 @@ def read_recording(path, force_path=None, volts_per_code=None, converter=None, *
     or in a column in N (see cell_forces). ``given``: column, unit and shape of meissner.readers.read.
     """
     names = ("codes", "force_n", "probed")
-    arrays = {one.name: one for one in readers.table(path, names).columns}
+    arrays = {one.name: one for one in readers.table(path, (*names, *(given.get("column") or ()))).columns}
     if names[0] in arrays:
         if force_path is not None and names[1] in arrays:
             raise ValueError(f"{path} already contains forces: omit --force")

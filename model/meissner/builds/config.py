@@ -131,6 +131,8 @@ def _read(name: str, file: Any, fastest: bool) -> Config:
     )
     with naming("[adc]"):
         limits = base.input
+    if base.array:
+        _ = base.scan  # whose limits are those of [adc]
     if fastest:
         base = replace(base, rate_hz=base.most_rate_hz())
         clocks = 1
