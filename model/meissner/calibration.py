@@ -539,10 +539,20 @@ def command(arguments, converter=None, shape=None):
     codes, force_n, said = read_recording(
         arguments.recording, arguments.force, arguments.volts_per_code, converter, **given
     )
+    if shape is not None and codes.shape[1:] != shape:
+        sizes = ["×".join(map(str, size)) for size in (codes.shape[1:], shape)]
+        raise ValueError(
+            f"{arguments.recording} has {sizes[0]} cells and {arguments.config} {sizes[1]} taxels"
+        )
     if converter is None or arguments.adc_bits is not None:
         low, high = ends(codes, arguments.adc_bits)
     else:
         low, high = converter.min_code or None, converter.max_code
+        if codes.min() < converter.min_code or codes.max() > high:
+            raise ValueError(
+                f"the codes lie in {codes.min()} .. {codes.max()}, outside {converter.min_code} .. {high} of "
+                f"the converter of {arguments.config}"
+            )
     lines, deviation_n = fit(codes, force_n, arguments.lsb, low=low, high=high)
     if files.check_out(arguments.out).suffix.lower() != ".npz":
         raise ValueError(f"{arguments.out} must be a .npz file")

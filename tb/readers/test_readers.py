@@ -12,7 +12,7 @@ import pytest
 import scipy.io
 
 import meissner
-from meissner import engines, host, readers
+from meissner import calibration, engines, host, readers
 from meissner.host import line, log
 from meissner.host.simulated import SimulatedCore
 from meissner.physics.adc import Adc
@@ -417,6 +417,9 @@ def test_an_mcap_of_any_robot(tmp_path):
     with pytest.raises(ValueError, match=r"numbers in /touch, /other: choose one with --column"):
         readers.read(path)
     assert readers.read(path, ["/other"]).values.shape == (3, 2)
+    np.save(tmp_path / "n.npy", [0.0, 1.5])
+    codes, *_ = calibration.read_recording(path, tmp_path / "n.npy", column=["/other"], shape=(1, 3))
+    assert codes.tolist() == [[[0, 7, 5]], [[1, 6, 5]]]
     bag_of(path, {"/touch": (kind, ARRAY, [*rows, (2 * 10**9, cdr_array([1]))])})
     with pytest.raises(ValueError, match="change their size"):
         readers.read(path)
