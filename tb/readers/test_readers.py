@@ -304,6 +304,11 @@ def test_arrays(tmp_path):
     scipy.io.savemat(tmp_path / "h.mat", {"run": {"vc": x[0], "t": np.arange(5) / 8, "gain": 2.0}})
     found = readers.read(tmp_path / "h.mat")
     assert (found.names, found.rate_hz) == (("run.vc",), 8) and found.values.tolist() == [x[0].tolist()]
+    damaged = bytearray((tmp_path / "f.mat").read_bytes())
+    damaged[128 + 48] = 250  # the type of the numbers of t, with which SciPy 1.17 ends by a signal
+    (tmp_path / "i.mat").write_bytes(damaged)
+    with pytest.raises(ValueError, match=r"i\.mat is not a complete \.mat file"):
+        readers.read(tmp_path / "i.mat")
     np.save(tmp_path / "o.npy", np.array([{}, None]), allow_pickle=True)  # may run code
     with pytest.raises(ValueError, match=r"o\.npy is not a \.npy file of numbers"):
         readers.read(tmp_path / "o.npy")
