@@ -569,6 +569,7 @@ def _forest(commands):
     parser.add_argument("--banks", type=int, default=1, metavar="N", help="2: reloadable while it runs (1)")
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead")
     _out(parser, "F.json", "write the forest that --fit finds")
+    parser.add_argument("--toml", metavar="FILE", help="also write a configuration for it, for make synth")
     parser.set_defaults(call="meissner.budget.forest:command")
 
 
@@ -597,7 +598,9 @@ def _config(commands):
         example="config new --sensor channels --channels 2 --adc MCP3208 --board icebreaker --out mine.toml",
     )
     new.add_argument(
-        "--sensor", metavar="KIND", help="channels (rubber), array (a matrix), electrodes (four wires)"
+        "--sensor",
+        metavar="KIND",
+        help="channels (rubber), array (a matrix), electrodes (four wires), none (a forest alone)",
     )
     new.add_argument("--channels", type=int, metavar="N", help="channels: their number (1)")
     new.add_argument("--rows", type=int, metavar="M", help="array, electrodes: rows of taxels (3, 7)")
@@ -607,6 +610,11 @@ def _config(commands):
     new.add_argument(
         "--volts", type=float, metavar="V", help="full scale of the converter (3.3, or 5 of an AD7606)"
     )
+    new.add_argument(
+        "--features", metavar="NAMES", help="with commas: grip, forest, display, shear_speed (none)"
+    )
+    new.add_argument("--forest", metavar="F.json", help="forest: of export-forest; without it, room for one")
+    new.add_argument("--pins", metavar="MxN", help="display: rows x columns of pins (5x20)")
     new.add_argument("--rate", metavar="HZ", help="frames a second, or max (10000, of an array max)")
     new.add_argument(
         "--board", metavar="BOARD", help="its clock and pins; docs/boards.md (icebreaker, ulx3s)"

@@ -7,7 +7,8 @@
 // step_o: a slot begins, slot_o. begin_o: a period begins, for which silent_o and burst_o are valid from the next
 // clock on, and length_o, ticks of the period before, in that clock. A new increment is taken at a wrap; above MaxHz it counts as MaxHz.
 // off_o stops all in the same clock: no enable, a fault, no frame for cfg_stop_i ticks, at a wrap an increment below
-// MinHz. Then the phase rests at 0 until idle_i. turn_o: a seventh of the window of the duty has ended.
+// MinHz, and a period of 6144 ticks, longer than any at MinHz: an upset increment could end none. Then the phase rests
+// at 0 until idle_i. turn_o: a seventh of the window of the duty has ended.
 // Error: the mean frequency differs by less than clock / 2^41, a period by less than a clock.
 // Model: model/meissner/twins/actuate/pin_display.py
 
@@ -47,7 +48,7 @@ module msn_pin_phase #(
   localparam int unsigned     PhaseBits = 40;
   localparam longint unsigned Wrap      = 64'd1 << PhaseBits;
   localparam longint unsigned ClkHz     = 64'(ClkKhz) * 1000;
-  localparam logic [31:0]     Least     = 32'((64'(MinHz) * Wrap + ClkHz - 1) / ClkHz);
+  localparam logic [31:0]     Least     = 32'(64'(MinHz) * Wrap / ClkHz);
   localparam logic [31:0]     Largest   = 32'(64'(MaxHz) * Wrap / ClkHz);
   localparam int unsigned     RateBits  = $clog2(64'(Largest) + 1);  // below 32: MaxHz is at most ClkHz / 512
   localparam int unsigned     LeastBits = $clog2(64'(Least) + 1);
@@ -77,13 +78,14 @@ module msn_pin_phase #(
   logic [PhaseBits-1:0] phase;
   logic [PhaseBits:0]   sum;
   logic [RateBits-1:0]  increment, wanted;
-  logic                 wrap, fast, start, stopped, changed;
+  logic                 wrap, fast, start, stopped, stuck, changed;
   logic [11:0]          burst, burst_next;
   assign tick       = tick_clocks == TickBits'(TickClocks - 1);
   assign turn_o     = tick && ticks == 13'(Ticks - 1);
   assign sum        = {1'b0, phase} + (PhaseBits + 1)'(increment);
   assign stopped    = !frame_valid_i && quiet >= cfg_stop_i;
-  assign off_o      = running_o && (!cfg_enable_i || fault_i || stopped || (wrap && !fast));
+  assign stuck      = elapsed[12:11] == '1;  // Ticks is less
+  assign off_o      = running_o && (!cfg_enable_i || fault_i || stopped || stuck || (wrap && !fast));
   assign start      = !running_o && cfg_enable_i && !fault_i && !stopped && fast && idle_i && !turn_o;
   assign begin_o    = wrap && !off_o;
   assign slot_o     = phase[PhaseBits-1-:SlotBits];

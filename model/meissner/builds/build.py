@@ -143,6 +143,13 @@ class Config:
         return 1000 * self.clk_khz / clocks
 
     @property
+    def slowest(self) -> tuple[int, str, str]:
+        """(clocks from frame to frame that it needs, name, what takes them) of the slowest feature."""
+        built = {name: FEATURES[name] for name in self.features}
+        needed = [(of.clocks(self), name, of.TAKES) for name, of in built.items() if hasattr(of, "TAKES")]
+        return max(needed, default=(1, "", ""))
+
+    @property
     def _image_bytes(self) -> int:
         rows, columns = self.shape
         return sum(map(line_bytes, packet.image_chunks(0, [0] * (rows * columns))))
@@ -335,7 +342,10 @@ class Config:
                 check_serial(self.channels, self.slip)
             except ValueError as problem:
                 raise ValueError(f"[slip]: {problem}") from None
-        self.check_features()
+        for name in self.features:
+            FEATURES[name].check(self)
+        clocks, name, what = self.slowest
+        self._slow_enough(clocks, f" for [{name}]: {what} takes up to")
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
         if self.link.slip_only and self.adc.read == "during":
@@ -355,14 +365,6 @@ class Config:
             self._images_pass()
         reset_word(self.settings, self.widths)
         return self
-
-    def check_features(self) -> None:
-        """ValueError for a feature that does not suit this build."""
-        for name, own in self.features.items():
-            FEATURES[name].check(self)
-            if hasattr(FEATURES[name], "needed"):
-                clocks, what = FEATURES[name].needed(own, self)
-                self._slow_enough(clocks, f" for [{name}]: {what}")
 
     def _slow_enough(self, clocks: int, why: str) -> None:
         """ValueError unless a period lasts so many clocks."""

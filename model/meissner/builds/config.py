@@ -113,8 +113,9 @@ def read(name: str, tables: dict[str, Any]) -> Config:
         raise ValueError("its numbers lead to an overflow or a division by zero") from None
 
 
-def _read(name: str, file: Any, fastest: bool) -> Config:
-    """``file``: one of keys.FILES; ``fastest``: at the greatest rate, whatever the file's is."""
+def _read(name: str, file: Any, fastest: bool, least_period: int = 1) -> Config:
+    """``file``: one of keys.FILES; ``fastest``: at the greatest rate, whatever the file's is, which
+    ``least_period`` limits: features are known only when their settings have been made at a rate."""
     adc = getattr(file, "adc", keys.UNUSED)
     part, clk_khz = keys.PARTS[adc.part], round(1000 * file.clock.mhz)
     sclk_khz = adc.sclk_khz or part.sclk_default_khz
@@ -134,14 +135,7 @@ def _read(name: str, file: Any, fastest: bool) -> Config:
     if base.array:
         _ = base.scan  # whose limits are those of [adc]
     if fastest:
-        base = replace(base, rate_hz=base.most_rate_hz())
-        clocks = 1
-        for feature, module in FEATURES.items():
-            if getattr(file, feature, None) and hasattr(module, "needed"):
-                with naming(f"[{feature}]"):
-                    own = module.config(getattr(file, feature), base)
-                clocks = max(clocks, module.needed(own, base)[0])
-        base = replace(base, rate_hz=base.most_rate_hz(clocks))
+        base = replace(base, rate_hz=base.most_rate_hz(least_period))
     if isinstance(file, keys.ArrayFile):
         array = file.array
         base = replace(
@@ -179,7 +173,10 @@ def _read(name: str, file: Any, fastest: bool) -> Config:
         if given:
             with naming(f"[{feature}]"):
                 features[feature] = module.config(given, base)
-    return replace(base, features=features).check()
+    base = replace(base, features=features)
+    if fastest and base.period_clocks < base.slowest[0]:
+        return _read(name, file, fastest, base.slowest[0])
+    return base.check()
 
 
 def _health(adc: Adc, rate_hz: float) -> dict[str, int]:

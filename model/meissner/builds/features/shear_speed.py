@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from meissner.builds.build import Config
 
 PARAMETERS = {"ShearSpeed": 1}
-NEEDED_CLOCKS = 70  # from frame to frame, so that no sample waits for the computation of a window
+TAKES = "computing a window"
 
 
 class Keys(Table, frozen=True):
@@ -34,8 +34,9 @@ class Keys(Table, frozen=True):
             raise ValueError(f"vi_min_v = {self.vi_min_v:g} must not be above vi_max_v")
 
 
-def needed(_own: ShearConfig, _base: "Config") -> tuple[int, str]:
-    return NEEDED_CLOCKS, "computing a window takes"
+def clocks(base: "Config") -> int:
+    """So that no sample waits for the computation of a window."""
+    return 70
 
 
 def check(base: "Config") -> None:
