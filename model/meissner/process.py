@@ -39,13 +39,6 @@ def _timed(arguments, run, x, piece, first, shared=()):
     return result, taken
 
 
-def take(arguments, path=None, **given):
-    """The Recording that the arguments of a command describe; ``given``: others of readers.read."""
-    options = {name: getattr(arguments, name, None) for name in ("rate", "unit", "shape")}
-    column = getattr(arguments, "column", None) or ()
-    return readers.read(path or arguments.input, column, **options | given)
-
-
 def array_of(arguments):
     """(converter, shape) of the array that --config names, or (None, None)."""
     from meissner.builds import config
@@ -98,7 +91,7 @@ def samples(arguments, path=None, build=None, calibrated=None):
     """
     array = build is not None and build.array is not None
     shape = build.shape if array and calibrated is not None and arguments.shape is None else arguments.shape
-    found = take(arguments, path, shape=shape)
+    found = readers.of_command(arguments, path, shape=shape)
     count = len(found.values) if found.values.ndim == 2 else 1
     most = None if build is None else build.shape[0] * build.shape[1]
     if most is not None and count > most:
@@ -189,7 +182,7 @@ def cop(arguments):
         lines = calibration.load(arguments.calibration)
         engines.load(arguments.engine)
     converter, shape = array_of(arguments)
-    found = take(arguments, shape=arguments.shape or shape)
+    found = readers.of_command(arguments, shape=arguments.shape or shape)
     values, done = found.scaled(arguments.volts_per_code, converter)
     if lines is None:
         forces = engines.check_forces(values)
@@ -229,7 +222,7 @@ def cop4(arguments):
 
     engines.load(arguments.engine)
     config = cop4_file.load(arguments.config)
-    found = take(arguments, samples_first=True)
+    found = readers.of_command(arguments, samples_first=True)
     if found.values.ndim != 2 or len(found.values) != 4:
         engines.check_electrodes(found.values.T, config.adc.bits)
     codes, done = found.scaled(arguments.volts_per_code, _Electrodes(config))

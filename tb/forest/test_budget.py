@@ -63,8 +63,8 @@ def test_needs_by_hand():
     # Nodes of 52 bits in six of 2048 by 9, roots in one of 1024 by 18, three lanes of 700 leaves in one each.
     assert cost.block_rams(size, "ecp5", engines=2) == 2 * (6 + 1 + 3)
     # 26, 2 of 512 by 8 or two of 256, 3 of 256 by 16; rows of two decisions, places, the queues of nodes and
-    # leaves; outside the engine the row.
-    assert cost.block_rams(size, "ice40") == 26 + 2 + 3 * 3 + 1 + 1 + 1 + 2 + 1
+    # leaves, of 17 and 23 bits; outside the engine the row.
+    assert cost.block_rams(size, "ice40") == 26 + 2 + 3 * 3 + 1 + 1 + 2 + 2 + 1
     # In an SDRAM, of 22 bits an address: roots of 300, leaves as before.
     assert cost.block_rams(size, "ecp5", banks=2, sdram=True) == 2 + 3 * 2
     six = cost.Size(features=9, classes=6, trees=300, nodes=2000, leaves=700, bits=14)

@@ -174,7 +174,7 @@ def test_what_goes_with_it():
 
 def test_block_rams_of_boards(tmp_path):
     """1280 nodes of 2 + 3 + 22 + 32 bits: 18.4 times the 256 · 16 bits of an iCE40's RAM; roots of 11 bits:
-    0.7 for each 256. Two decisions' rows take 2, places and queues 1 + 1 + 2; 29 of a UP5K's 30 are for the
+    0.7 for each 256. Two decisions' rows take 2, places and queues 1 + 2 + 2; 29 of a UP5K's 30 are for the
     forest. The largest device is the board's with the most."""
     most = max(
         (count, f"{board.name} {name}".strip(), board.cells)
@@ -187,10 +187,10 @@ def test_block_rams_of_boards(tmp_path):
         "forest = {source = 'host', features = 5, banks = 1, nodes = 1280, trees = %d}\n"
     )
     path, board = tmp_path / "mine.toml", boards.BOARDS["icebreaker"]
-    path.write_text(text % 1280)  # 19 + 4 + 6
+    path.write_text(text % 1024)  # 19 + 3 + 7
     plan = board.plan(str(path))
     assert {port.role for port in plan.ports} >= {"clock", "rx", "tx"} and "miso" not in plan.roles
-    path.write_text(text % 1281)
+    path.write_text(text % 1025)
     with pytest.raises(
         ValueError, match=r"1280 nodes .* need 30 block RAMs but the icebreaker has 29 for them: .*--fit"
     ):

@@ -244,6 +244,13 @@ def read(
     return Recording(name, values, names, kinds.pop(), rate_hz, "; ".join(told), found.audio, frames)
 
 
+def of_command(arguments: Any, path: str | PathLike[str] | None = None, **given: Any) -> Recording:
+    """The Recording that the arguments of a command describe; ``given``: others of ``read``."""
+    options = {name: getattr(arguments, name, None) for name in ("rate", "unit", "shape")}
+    column = getattr(arguments, "column", None) or ()
+    return read(path or arguments.input, column, **options | given)
+
+
 def chosen(path: str | PathLike[str], found: Table, column: Sequence[str]) -> list[Column]:
     """Columns by names or numbers, times among them."""
     names = [part for entry in column for part in _parts(entry, found)]
