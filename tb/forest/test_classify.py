@@ -73,7 +73,7 @@ class Sizes:
         of, span = self.of, 1 << self.of["bits"] - 1
         count = of["trees"] * of["engines"] // 2
         shape = {"leaves": min(9, of["leaves"]), "span": min(span - 2, 200), "depth": 3}
-        chosen = [0, 1, 2, 32, 33, 34] if of["classes"] > 3 else range(of["classes"])
+        chosen = [0, 1, 28, 32, 33, 34] if of["classes"] > 3 else range(of["classes"])
         while True:  # until every class is found often
             given = forest(draw, of["features"], of["classes"], count, **shape)
             if of["classes"] > 3:

@@ -424,8 +424,10 @@ async def counts_no_vote_of_what_cannot_be(dut):
 async def nothing_else(played, votes, root):
     """Load two trees, at 10 and at ``root``, then what does not exist; whether empty_o follows the number."""
     dut, trees = played.dut, parameter(played.dut, "Trees")
-    told = []
-    for count in (0, 2, trees + 1, 1 << 16 | 1):
+    told, dut.bank_i.value = [], 1
+    await load(dut, [(3, 0, 0, 11), (3, 0, 0, 0)])  # of the other bank
+    dut.bank_i.value = 0
+    for count in (0, 11, 2, trees + 1, 1 << 16 | 1):
         await load(dut, [(3, 0, 0, count)])
         dut.bank_i.value = 1
         await played.step()
@@ -433,7 +435,7 @@ async def nothing_else(played, votes, root):
         dut.bank_i.value = 0
     roots = [(1, 0, 0, 10), (1, 0, 1, root)]
     await load(dut, [*votes, *roots, (1, 0, trees, 5), (1, 0, 32, 6), (1, 0, 1 << 31 | 1, 7)])
-    return told == [1, 0, 0, 0]
+    return told == [1, 0, 0, 0, 0]
 
 
 EVIDENCE = {
