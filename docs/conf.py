@@ -26,7 +26,8 @@ copyright = "the Meissner authors, Apache-2.0"
 version = release = meissner.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["**/*.toml"]
-html_css_files = ["try.css"]
+html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
 html_theme = "furo"
 html_title = "Meissner"
 highlight_language = "none"
@@ -39,7 +40,10 @@ autodoc_typehints = "none"  # docstrings give shapes, units and types
 napoleon_use_rtype = False
 suppress_warnings = ["myst.header"]  # a page in parts begins its parts at the second level
 
-PLAYED = """<div id="try"></div>
+PLAYED = """This is the core: its RTL, compiled to WebAssembly. Press and pull, or play a scene; move the
+threshold.
+
+<div id="try"></div>
 <script defer src="_static/core.js"></script>
 <script defer src="_static/scene.js"></script>
 <script defer src="_static/try.js"></script>"""
@@ -74,7 +78,8 @@ def gallery():
     for name in scenes.names():
         scene = scenes.load(name)
         picture = PICTURES / f"{name}.png"
-        found.append(f"## {name}\n\n{scene.title}\n\n    meissner run {name}\n")
+        title = f"{scene.title[0].upper()}{scene.title[1:]}" + "." * (not scene.title.endswith("?"))
+        found.append(f"## {name}\n\n{title}\n\n    .venv/bin/meissner run {name}\n")
         if picture.exists():
             found.append(f'<a href="_static/{name}.png"><img src="_static/{name}.png" alt="{name}"></a>\n')
     return "\n".join(found)
@@ -106,4 +111,6 @@ def write_sources(app, failed):
 def setup(app):
     app.connect("source-read", to_sources)
     app.connect("build-finished", write_sources)
+    # They show what other targets have made since.
+    app.connect("env-get-outdated", lambda *_: ["index", "gallery"])
     return {"parallel_read_safe": False}

@@ -9,7 +9,8 @@ import sys
 
 from meissner import engines, readers, scenes
 from meissner.host import Units, packets
-from meissner.host.simulated import SimulatedCore, blocks_of, settings_of, slip_source
+from meissner.host.sensors import blocks_of, settings_of, slip_source
+from meissner.host.simulated import SimulatedCore
 from meissner.twins.link.decoder import Decoder
 from meissner.twins.slip.config import SlipConfig
 

@@ -46,6 +46,8 @@ PLACES["verdict"] = _places([("valid", 1), ("over", 1), ("last", 1), ("id", 16)]
 PLACES["shear"] = _places([("valid", 1), ("ok", 1), ("id", 3), ("speed", 16)])
 PLACES["cop"] = _places([("x", 24), ("y", 24), ("load", 40), ("pressed", 1)])
 PLACES["class"] = _places([("stamp", 48), ("votes", 32), ("told", 16), ("label", 16)])
+_commands = [(name, 1) for name in ("cke", "cs_n", "ras_n", "cas_n", "we_n")]
+PLACES["sdram"] = _places([*_commands, ("ba", 2), ("a", 13), ("dqm", 2), ("dq", 16), ("dq_enable", 1)])
 PLACES["health"] = _places([("id", 24), ("faults", 8)])
 
 

@@ -534,11 +534,15 @@ def _besides(codes, force_n, lines, low, high):
 
 def command(arguments, converter=None, shape=None):
     """``meissner calibrate`` with the converter and the shape of its configuration."""
-    given = {"column": arguments.column, "unit": arguments.unit, "shape": arguments.shape or shape}
+    given = {name: getattr(arguments, name) for name in ("column", "unit", "rate")}
+    given["shape"] = arguments.shape or shape
     codes, force_n, said = read_recording(
         arguments.recording, arguments.force, arguments.volts_per_code, converter, **given
     )
-    low, high = ends(codes, arguments.adc_bits)
+    if converter is None or arguments.adc_bits is not None:
+        low, high = ends(codes, arguments.adc_bits)
+    else:
+        low, high = converter.min_code or None, converter.max_code
     lines, deviation_n = fit(codes, force_n, arguments.lsb, low=low, high=high)
     if files.check_out(arguments.out).suffix.lower() != ".npz":
         raise ValueError(f"{arguments.out} must be a .npz file")

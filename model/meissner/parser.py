@@ -60,7 +60,7 @@ def _shape(text):
     return int(rows), int(columns)
 
 
-def _reading(parser, shape=False, rate=False, config=False):
+def _reading(parser, shape=False, config=False):
     """What a recording does not say, or says of several things (docs/own_recordings.md)."""
     parser.add_argument(
         "--column",
@@ -72,10 +72,9 @@ def _reading(parser, shape=False, rate=False, config=False):
     parser.add_argument(
         "--volts-per-code", type=float, metavar="V", help="of the converter, for recordings in volts"
     )
-    if rate:
-        parser.add_argument(
-            "--rate", type=float, metavar="HZ", help="samples per second of each channel (the file's)"
-        )
+    parser.add_argument(
+        "--rate", type=float, metavar="HZ", help="samples per second of each channel (the file's)"
+    )
     if config:
         parser.add_argument("--config", metavar="FILE", help="of the array: its converter and its shape")
     if shape:
@@ -161,7 +160,7 @@ def _process(commands):
     )
     slip.add_argument("input", metavar="IN", help=RECORDING)
     _slip_settings(slip, threshold=True)
-    _reading(slip, shape=True, rate=True)
+    _reading(slip, shape=True)
     slip.add_argument(
         "--calibration", metavar="CAL.npz", help="turns an array's codes into forces, with --config"
     )
@@ -521,7 +520,7 @@ def _threshold(commands):
     parser.add_argument(
         "--per-hour", type=float, default=1.0, metavar="N", help="false alarms per hour to promise (1)"
     )
-    _reading(parser, shape=True, rate=True)
+    _reading(parser, shape=True)
     _out(parser, "PICTURE", "the picture, a .png or a .svg file (threshold.png)")
     call = "meissner.threshold:command"
     parser.set_defaults(call=call, engine="fixed", calibration=None, out="threshold.png")
@@ -570,6 +569,7 @@ def _forest(commands):
     parser.add_argument("--banks", type=int, default=1, metavar="N", help="2: reloadable while it runs (1)")
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead")
     _out(parser, "F.json", "write the forest that --fit finds")
+    parser.add_argument("--toml", metavar="FILE", help="also write a configuration for it, for make synth")
     parser.set_defaults(call="meissner.budget.forest:command")
 
 
@@ -598,7 +598,9 @@ def _config(commands):
         example="config new --sensor channels --channels 2 --adc MCP3208 --board icebreaker --out mine.toml",
     )
     new.add_argument(
-        "--sensor", metavar="KIND", help="channels (rubber), array (a matrix), electrodes (four wires)"
+        "--sensor",
+        metavar="KIND",
+        help="channels (rubber), array (a matrix), electrodes (four wires), none (a forest alone)",
     )
     new.add_argument("--channels", type=int, metavar="N", help="channels: their number (1)")
     new.add_argument("--rows", type=int, metavar="M", help="array, electrodes: rows of taxels (3, 7)")
@@ -608,7 +610,14 @@ def _config(commands):
     new.add_argument(
         "--volts", type=float, metavar="V", help="full scale of the converter (3.3, or 5 of an AD7606)"
     )
-    new.add_argument("--rate", metavar="HZ", help="frames a second, or max (10000, of an array max)")
+    new.add_argument(
+        "--features", metavar="NAMES", help="with commas: grip, forest, display, shear_speed (none)"
+    )
+    new.add_argument("--forest", metavar="F.json", help="forest: of export-forest; without it, room for one")
+    new.add_argument("--pins", metavar="MxN", help="display: rows x columns of pins (5x20)")
+    new.add_argument(
+        "--rate", metavar="HZ", help="frames a second, or max (10000; of an array or with a display max)"
+    )
     new.add_argument(
         "--board", metavar="BOARD", help="its clock and pins; docs/boards.md (icebreaker, ulx3s)"
     )

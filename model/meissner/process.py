@@ -55,6 +55,9 @@ def array_of(arguments):
     build = config.load(arguments.config)
     if build.array is None:
         raise ValueError(f"{arguments.config}: kind = '{build.kind}' is no array")
+    if arguments.shape not in (None, build.shape):
+        sizes = ["×".join(map(str, shape)) for shape in (arguments.shape, build.shape)]
+        raise ValueError(f"--shape is {sizes[0]} and {arguments.config} has {sizes[1]} taxels: omit --shape")
     return (None if arguments.volts_per_code is not None else build.input), build.shape
 
 
@@ -97,10 +100,11 @@ def samples(arguments, path=None, build=None, calibrated=None):
     shape = build.shape if array and calibrated is not None and arguments.shape is None else arguments.shape
     found = take(arguments, path, shape=shape)
     count = len(found.values) if found.values.ndim == 2 else 1
-    if build is not None and build.kind == "channels" and count > build.channels:
+    most = None if build is None else build.shape[0] * build.shape[1]
+    if most is not None and count > most:
         raise ValueError(
             f"{found.path} has {count} channels, {', '.join(found.names[:8])}, and "
-            f"{arguments.config} {build.channels}: choose with --column"
+            f"{arguments.config} {most}: choose with --column"
         )
     rate_hz, told = rate_of(found, build, arguments.config)
     per_code = arguments.volts_per_code
@@ -206,6 +210,18 @@ def cop(arguments):
     )
 
 
+class _Electrodes:
+    """The converter behind the amplifiers of E1 to E4, as Recording.scaled takes it."""
+
+    def __init__(self, config):
+        self.config, adc = config, config.adc
+        self.low_v, self.high_v = adc.low_v / config.gain, adc.high_v / config.gain
+        self.min_code, self.max_code = adc.min_code, adc.max_code
+
+    def convert(self, volts):
+        return (each.T for each in self.config.converted(volts.T))
+
+
 def cop4(arguments):
     """``meissner process cop4``."""
     from meissner.builds import cop4_file
@@ -214,12 +230,10 @@ def cop4(arguments):
     engines.load(arguments.engine)
     config = cop4_file.load(arguments.config)
     found = take(arguments, samples_first=True)
-    if found.unit == "V" and found.values.shape[:1] == (4,):
-        codes, done = config.convert(found.values.T), "volts of E1 to E4 to codes of the converter"
-    else:
-        codes, done = found.scaled()
-        codes = codes.T
-    codes = engines.check_electrodes(codes, config.adc.bits)
+    if found.values.ndim != 2 or len(found.values) != 4:
+        engines.check_electrodes(found.values.T, config.adc.bits)
+    codes, done = found.scaled(arguments.volts_per_code, _Electrodes(config))
+    codes = engines.check_electrodes(codes.T, config.adc.bits)
     run = lambda x: engines.process_cop4(x, config, arguments.engine)
     result, taken = _timed(arguments, run, codes, PIECE // 4, codes[:1])
     saturated, imbalance, opened = (int((flag > 0).sum()) for flag in faults(codes, config.registers))

@@ -8,6 +8,7 @@ table. msgspec checks; the sentence comes from the declared type and from what t
 Numbers stay as Python's floats, whose shortest decimal is what the file says; ``exact`` gives that decimal.
 """
 
+import json
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
@@ -280,3 +281,12 @@ def _limits(above: float | None, least: float | None, most: float | None) -> str
     if most is None and least is not None:
         return "not be negative" if least == 0 else "be above 0" if least == 1 else f"be at least {least:g}"
     return f"be at most {most:g}" if least is None else f"lie in {least:g} .. {most:g}"
+
+
+def toml(found: Mapping[str, Any]) -> str:
+    """Tables of numbers, texts and switches as a TOML file, for which JSON's forms of these are right."""
+    lines = [f"{key} = {json.dumps(given)}" for key, given in found.items() if not isinstance(given, dict)]
+    for name, table in found.items():
+        if isinstance(table, dict):
+            lines += ["", f"[{name}]", *(f"{key} = {json.dumps(given)}" for key, given in table.items())]
+    return "\n".join([*lines, ""])

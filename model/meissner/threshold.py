@@ -272,7 +272,12 @@ def command(arguments):
     x, rate_hz, said = process.samples(arguments, build=build)
     p2p, slips, lines = windows_of(x, config), None, [said]
     if arguments.slips is not None:
-        y, _, told = process.samples(arguments, arguments.slips, build)
+        y, slips_hz, told = process.samples(arguments, arguments.slips, build)
+        if abs(slips_hz - rate_hz) > process.RATE_ERROR * rate_hz:
+            raise ValueError(
+                f"{arguments.input} has {rate_hz:g} Hz and {arguments.slips} {slips_hz:g} Hz: their windows "
+                "are not alike"
+            )
         slips = windows_of(y, config)
         lines.append(told)
     law = fit(p2p.max(axis=0), config.hop / rate_hz)

@@ -2,14 +2,15 @@
 //
 // What the limits of a pin display leave of a frame, found pin by pin before each drive period (docs/pin_display.md).
 //
-//   total  ticks in which a pin was driven, of this seventh of the window and the seven before; a period counts one more
+//   sum    ticks in which a pin was driven, mod 2^16; a period counts one more
+//   total  sum less what it was as the oldest of eight sevenths began: of this one of the window and the seven before
 //   run    sevenths that have ended while the frames had the pin on, at most 15
 //   may    level > 0, total + length + 2 <= duty, run <= watchdog, fewer than `most` pins before it that may
 //   out    may, not silent and in a burst: min(level, top), else 0
 //
 // A pass, a pin a clock, begins with begin_i (a period), after off_i (it ends early), and while the display is off with
 // turn_i. It charges the period that ends; turn_i moves the window on in the next pass. So in any seven sevenths a pin is
-// driven for `duty` ticks at most. A reset forgets the past.
+// driven for `duty` ticks at most. A reset forgets the past. An upset of a sum moves both, so it leaves with the window.
 //
 //   clock  1, 2               3       4       5
 //          read both memories window  charge  levels leave, in order, from the 5th clock after begin_i on
@@ -64,7 +65,6 @@ module msn_pin_limits #(
   end
 
   localparam int unsigned          TotalBits = 16;
-  localparam int unsigned          PartBits  = 14;
   localparam int unsigned          StateBits = TotalBits + 4 + 1;
   localparam logic [PlaceBits-1:0] LastPlace = PlaceBits'(Pins - 1);
 
@@ -82,7 +82,7 @@ module msn_pin_limits #(
   assign frame_begun_o = reading || valid[1:0] != '0;
   always_ff @(posedge clk_i) begin
     due     <= turn_i || (due && !go);
-    closing <= off_i || (closing && !(go && !begin_i));
+    closing <= off_i || (closing && !go);
     if (go) begin
       reading <= 1'b1;
       compose <= begin_i;
@@ -111,45 +111,48 @@ module msn_pin_limits #(
     end
   end
 
-  // What is kept of each pin, and a ring of what was charged to it in each seventh: this one's place has the oldest
-  // when it begins.
+  // What is kept of each pin, and a ring of its sums as the last eight sevenths began. Not a total of the window, from
+  // which what leaves it is taken: an upset of that would stay.
   logic [StateBits-1:0]     kept;
-  logic [PartBits-1:0]      part, part_a, part_b, charge_n;
-  logic [TotalBits-1:0]     total_n, total_a_n, total_b_n, total_b, charge, allowed;
+  logic [2:0]               oldest;
+  logic [TotalBits-1:0]     sum, sum_a, sum_b, begun, begun_b, total_a, total_b, total_b_n, charge, allowed;
   logic [3:0]               run_n, run_a_n, run_b_n;
+  logic [TotalBits-1:0]     kept_begun;  // complements, which a subtraction needs
   logic                     on, on_a, drive, drives, none_allowed, asks, may;
   logic [AmplitudeBits-1:0] level_a_n, level_b_n;
-  assign {total_n, run_n, on} = kept;
-  assign charge  = {{TotalBits - PartBits{1'b0}}, ~charge_n};
+  assign {sum, run_n, on} = kept;
+  assign oldest  = seventh + 1'b1;
+  assign begun   = ~kept_begun;
   assign total_b = ~total_b_n;
   always_ff @(posedge clk_i) begin
-    if (go) charge_n <= ~(PartBits'(length_i) + 1'b1);  // off_i may come in a pass
+    if (go) charge <= TotalBits'(length_i) + 1'b1;  // off_i may come in a pass
     {none_allowed, allowed} <= {1'b0, cfg_duty_i} + {1'b1, ~charge};  // duty - charge - 1
     drives    <= compose && burst_i && !silent_i;
-    total_a_n <= (turning && full) ? total_n + TotalBits'(part) : total_n;
-    part_a    <= part;
+    total_a   <= full ? sum - begun : sum;
+    sum_a     <= sum;
     on_a      <= on;
     run_a_n   <= run_n - 4'(compose && turning && run_n != '0);
     level_a_n <= ~frame_level_i;
     if (compose && frame_level_i == '0) run_a_n <= '1;
-    if (turning || fresh) part_a <= '0;
     if (fresh) begin
-      total_a_n <= '1;
-      run_a_n   <= '1;
-      on_a      <= 1'b0;
+      total_a <= '0;
+      sum_a   <= '0;
+      run_a_n <= '1;
+      on_a    <= 1'b0;
     end
-    total_b_n <= on_a ? total_a_n - charge : total_a_n;
-    part_b    <= on_a ? part_a + charge[PartBits-1:0] : part_a;
+    total_b_n <= ~(on_a ? total_a + charge : total_a);  // not + (on_a ? charge : 0): as many cells again
+    sum_b     <= on_a ? sum_a + charge : sum_a;
+    begun_b   <= ~sum_a;
     run_b_n   <= run_a_n;
     level_b_n <= level_a_n;
   end
   msn_ram #(.Words(Pins), .Width(StateBits)) u_pins (
-    .clk_i, .write_i(valid[3]), .write_address_i(write_place), .write_data_i({total_b_n, run_b_n, drive}),
+    .clk_i, .write_i(valid[3]), .write_address_i(write_place), .write_data_i({sum_b, run_b_n, drive}),
     .read_i(1'b1), .read_address_i(place), .out_data_o(kept)
   );
-  msn_ram #(.Words(8 << PlaceBits), .Width(PartBits)) u_sevenths (
-    .clk_i, .write_i(valid[3]), .write_address_i({seventh, write_place}), .write_data_i(part_b),
-    .read_i(1'b1), .read_address_i({seventh, place}), .out_data_o(part)
+  msn_ram #(.Words(8 << PlaceBits), .Width(TotalBits)) u_sevenths (
+    .clk_i, .write_i(valid[3] && turning), .write_address_i({seventh, write_place}), .write_data_i(begun_b),
+    .read_i(1'b1), .read_address_i({oldest, place}), .out_data_o(kept_begun)
   );
 
   // The levels that leave.

@@ -7,7 +7,8 @@
 // step_o: a slot begins, slot_o. begin_o: a period begins, for which silent_o and burst_o are valid from the next
 // clock on, and length_o, ticks of the period before, in that clock. A new increment is taken at a wrap; above MaxHz it counts as MaxHz.
 // off_o stops all in the same clock: no enable, a fault, no frame for cfg_stop_i ticks, at a wrap an increment below
-// MinHz. Then the phase rests at 0 until idle_i. turn_o: a seventh of the window of the duty has ended.
+// MinHz, and a period of 6144 ticks, longer than any at MinHz: an upset increment could end none. Then the phase rests
+// at 0 until idle_i. turn_o: a seventh of the window of the duty has ended.
 // Error: the mean frequency differs by less than clock / 2^41, a period by less than a clock.
 // Model: model/meissner/twins/actuate/pin_display.py
 
@@ -77,7 +78,7 @@ module msn_pin_phase #(
   logic [PhaseBits-1:0] phase;
   logic [PhaseBits:0]   sum;
   logic [RateBits-1:0]  increment, wanted;
-  logic                 wrap, fast, start, fresh, stopped, changed, lit, more;
+  logic                 wrap, fast, start, fresh, stopped, stuck, changed, lit, more;
   logic [11:0]          burst_n;         // the burst's period, from 1 on, inverted
   logic [15:0]          unused_quiet;
   logic [12:0]          unused_on;
@@ -87,7 +88,8 @@ module msn_pin_phase #(
   assign sum        = {1'b0, phase} + (PhaseBits + 1)'(increment);
   assign {fresh, unused_quiet} = {1'b0, cfg_stop_i} + {1'b0, quiet_n};  // quiet < stop
   assign stopped    = !frame_valid_i && !fresh;
-  assign off_o      = running_o && (!cfg_enable_i || fault_i || stopped || (wrap && !fast));
+  assign stuck      = elapsed[12:11] == '1;  // Ticks is less
+  assign off_o      = running_o && (!cfg_enable_i || fault_i || stopped || stuck || (wrap && !fast));
   assign start      = !running_o && cfg_enable_i && !fault_i && !stopped && fast && idle_i && !turn_o;
   assign begin_o    = wrap && !off_o;
   assign slot_o     = phase[PhaseBits-1-:SlotBits];

@@ -117,7 +117,7 @@ module msn_pin_shift #(
       loaded     <= 1'b0;
       final_word <= 1'b0;
       slot       <= slot_i;
-      position   <= '1;
+      position   <= PositionBits'(ChainBits - 1);
       gathered   <= '0;
       words_left <= WordBits'(ChainBits / Word - 1);
       timing     <= 1'b1;
@@ -178,10 +178,9 @@ module msn_pin_shift #(
       .spi_sclk_o(clocks_of[k]), .spi_mosi_o(hv_data_o[k]), .spi_miso_i(1'b0)
     );
     logic unused;
-    assign unused = ^{unused_data, unused_above};
+    assign unused = ^{unused_data, unused_above, unused_word[k], unused_cs_n[k], runs[k], dones[k],
+                      clocks_of[k]};
   end
-  logic unused;
-  assign unused = ^{unused_word, unused_cs_n, runs, dones, clocks_of};
 
   msn_check u_polarity (
     .clk_i, .rst_i, .wrong_i(!hv_bl_o && !hv_pol_o)

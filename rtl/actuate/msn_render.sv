@@ -72,16 +72,13 @@ module msn_render #(
   always_ff @(posedge clk_i) begin
     due <= (cop_valid_i || due) && !start;
     ask <= start || (known && !final_pin);
-    if (start) busy_o <= 1'b1;
     if (known) begin
       pin_column <= final_column ? '0 : pin_column + 1'b1;
       if (final_column) pin_row <= final_pin ? '0 : pin_row + 1'b1;
-      if (final_pin) busy_o <= 1'b0;
     end
     if (rst_i) begin
       due        <= 1'b0;
       ask        <= 1'b0;
-      busy_o     <= 1'b0;
       pin_row    <= '0;
       pin_column <= '0;
     end
@@ -230,6 +227,7 @@ module msn_render #(
     assign taken = found == '0 ? '0 : step;  // the first level begins at the floor
     assign again = rest >= taken && found < Top;
     assign known = dividing && !again;
+    assign busy_o = ask || walking || last != '0 || dividing;  // no flag of its own: an upset of that would stay
     assign level = found;
     always_ff @(posedge clk_i) begin
       last     <= {last[2:0], walking && end_pin};
@@ -251,9 +249,10 @@ module msn_render #(
     logic unused;
     assign unused = ^{unused_time, unused_dropped, due, product};
   end else begin : gen_none
-    assign start = due && !busy_o && !out_valid_o;
-    assign known = ask;
-    assign level = '0;
+    assign start  = due && !busy_o && !out_valid_o;
+    assign busy_o = ask;
+    assign known  = ask;
+    assign level  = '0;
     logic unused;
     assign unused = ^{in_valid_i, in_data_i, in_last_i, cfg_floor_i, cfg_step_i};
   end

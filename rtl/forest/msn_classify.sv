@@ -207,6 +207,9 @@ module msn_classify #(
     logic [31:0]          found_votes;
     logic [2:0]           found_error;
     logic [31:0]          load_address, unused_rows;
+    localparam int unsigned Contexts    = Sdram ? 4 : 2;
+    localparam int unsigned ContextBits = $clog2(Contexts);
+    logic [ContextBits-1:0] row_context, found_context;
     assign load_address = (cfg_i.target_kind == 2'd2) ? {cfg_i.target_label, place[15:0]} : 32'(place);
     if (Sdram) begin : gen_sdram
       logic unused_step, unused_up;
@@ -216,8 +219,10 @@ module msn_classify #(
       ) u_forest (
         .clk_i, .rst_i,
         .in_valid_i(take), .in_ready_o(room), .in_data_i(row), .in_last_i(row_last), .damaged_o(unused_rows),
+        .in_context_o(row_context),
         .out_valid_o(found), .out_ready_i(1'b1), .out_id_o(found_id), .out_votes_o(found_votes),
-        .out_last_o(found_last), .out_class_o(found_class), .out_error_o(found_error), .step_o(unused_step),
+        .out_last_o(found_last), .out_class_o(found_class), .out_error_o(found_error),
+        .out_context_o(found_context), .step_o(unused_step),
         .load_valid_i(waits), .load_ready_o(load_ready), .load_kind_i(cfg_i.target_kind),
         .load_address_i(load_address), .load_data_i({cfg_i.high, cfg_i.data}),
         .swap_i(swap), .swapping_o(swapping), .up_o(unused_up),
@@ -234,12 +239,14 @@ module msn_classify #(
       logic [Engines*4-1:0]           unused_tag;
       msn_forest #(
         .Features(Features), .FeatureBits(FeatureBits), .Classes(Classes), .Trees(Trees), .Nodes(Nodes),
-        .Leaves(Leaves), .Engines(Engines), .Banks(Banks), .Walkers(16), .Lanes(Lanes), .Contexts(2)
+        .Leaves(Leaves), .Engines(Engines), .Banks(Banks), .Walkers(16), .Lanes(Lanes), .Contexts(Contexts)
       ) u_forest (
         .clk_i, .rst_i,
         .in_valid_i(take), .in_ready_o(room), .in_data_i(row), .in_last_i(row_last), .damaged_o(unused_rows),
+        .in_context_o(row_context),
         .out_valid_o(found), .out_ready_i(1'b1), .out_id_o(found_id), .out_votes_o(found_votes),
-        .out_last_o(found_last), .out_class_o(found_class), .out_error_o(found_error), .step_o(unused_step),
+        .out_last_o(found_last), .out_class_o(found_class), .out_error_o(found_error),
+        .out_context_o(found_context), .step_o(unused_step),
         .load_valid_i(waits), .load_ready_o(load_ready), .load_kind_i(cfg_i.target_kind),
         .load_engine_i(EngineBits'(cfg_i.target_engine)), .load_address_i(load_address),
         .load_data_i({cfg_i.high, cfg_i.data}),
@@ -252,15 +259,11 @@ module msn_classify #(
       assign unused_sdram = ^sdram_dq_i;
     end
 
-    // The times of rows whose decisions are under way; there is always room.
+    // Times of the rows under way, by the forest's contexts: a queue of their own would be out of step after an upset.
+    (* no_rw_check *) logic [47:0] times [Contexts];
     logic [47:0] found_time;
-    logic        unused_ready, unused_valid, unused_half;
-    msn_fifo #(.Depth(4), .Width(48)) u_times (
-      .clk_i, .rst_i,
-      .in_valid_i(take && first), .in_ready_o(unused_ready), .in_data_i(row_time),
-      .out_valid_o(unused_valid), .out_ready_i(found && found_last), .out_data_o(found_time),
-      .half_o(unused_half)
-    );
+    assign found_time = times[found_context];
+    always_ff @(posedge clk_i) if (take && first) times[row_context] <= row_time;
 
     // Decisions. `told`: the class that the host has.
     logic [15:0] label, told, missed, absent, late, broken;

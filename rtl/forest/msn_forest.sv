@@ -9,8 +9,10 @@
 // taken and begun. A load goes to the bank not in use, swap_i puts it in use between two decisions; with one bank
 // the first write waits for the decisions under way, and until swap_i every row gets error 1.
 // Load kinds: 0 node (engine, address), 1 root (engine, tree), 2 vote (row, class << 16), 3 number of trees (engine).
-// Error bits: 1 no forest, 2 the memory did not answer in time, 4 a node or leaf that cannot be (its tree has no vote).
-// Outside: nodes are read at req_*, rsp_*, of each engine, and not loaded here; else block RAM (msn_forest_memory).
+// Error bits: 1 no forest, 2 the memory did not answer in time, or an upset left a leaf too many, 4 a node or leaf that
+// cannot be (its tree has no vote).
+// Outside: nodes are read at req_*, rsp_*, of each engine, and not loaded here; else block RAM (msn_forest_memory). No
+// answer may come later than 16 * Timeout clocks after the last one.
 //
 // Latency: reading and walking, then Classes + Engines + 4 clocks.   Model: model/meissner/twins/forest/forest.py
 
@@ -31,7 +33,8 @@ module msn_forest #(
   localparam int unsigned ClassBits   = msn_pkg::index_width(Classes),
   localparam int unsigned EngineBits  = msn_pkg::index_width(Engines),
   localparam int unsigned AddressBits = msn_pkg::index_width(Nodes),
-  localparam int unsigned TagBits     = msn_pkg::index_width(Walkers)
+  localparam int unsigned TagBits     = msn_pkg::index_width(Walkers),
+  localparam int unsigned ContextBits = $clog2(Contexts)
 ) (
   input  logic                           clk_i,
   input  logic                           rst_i,
@@ -41,6 +44,7 @@ module msn_forest #(
   input  logic [FeatureBits-1:0]         in_data_i,   // signed
   input  logic                           in_last_i,
   output logic [31:0]                    damaged_o,   // frames
+  output logic [ContextBits-1:0]         in_context_o,   // of the row that comes in, not in use for another
 
   output logic                           out_valid_o,
   input  logic                           out_ready_i,
@@ -49,6 +53,7 @@ module msn_forest #(
   output logic                           out_last_o,
   output logic [ClassBits-1:0]           out_class_o,
   output logic [2:0]                     out_error_o,
+  output logic [ContextBits-1:0]         out_context_o,  // of the row that this is the result of
   output logic [Engines-1:0]             step_o,      // nodes compared in this clock
 
   input  logic                           load_valid_i,
@@ -76,7 +81,6 @@ module msn_forest #(
   end
 
   localparam int unsigned IndexBits   = msn_pkg::index_width(Features);
-  localparam int unsigned ContextBits = $clog2(Contexts);
 
   // The row that comes in goes to the context `fill`, while decisions on others are under way. All pointers move in turn.
   logic [Contexts-1:0]    filled, going, failed, using_, free;
@@ -86,7 +90,9 @@ module msn_forest #(
   logic                   row_write;
   logic [IndexBits-1:0]   row_index;
   logic [FeatureBits-1:0] row_data;
-  assign in_ready_o = !filled[fill];
+  assign in_ready_o    = !filled[fill];
+  assign in_context_o  = fill;
+  assign out_context_o = oldest;
   assign accept     = in_valid_i && in_ready_o;
   assign fits       = !dropping && in_last_i == (place == IndexBits'(Features - 1));
   assign using_     = going & ~failed;
@@ -237,7 +243,7 @@ module msn_forest #(
     msn_forest_engine #(
       .Features(Features), .FeatureBits(FeatureBits), .Classes(Classes), .Trees(Trees), .Nodes(Nodes),
       .Leaves(Leaves), .Banks(Banks), .Walkers(Walkers), .Lanes(Lanes), .Contexts(Contexts),
-      .Timeout(Timeout)
+      .Timeout(Timeout), .Patience(Outside ? 16 * Timeout : Timeout)
     ) u_engine (
       .clk_i, .rst_i,
       .go_i(using_), .oldest_i(oldest), .free_i(free), .flush_i(flush),

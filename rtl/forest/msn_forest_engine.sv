@@ -11,7 +11,8 @@
 //          request  read   response  place  features  compare  select  next  queue (3) request
 //
 // Children have greater addresses than their parents, so a walk ends; a node that breaks this, or whose feature or leaf does
-// not exist, ends its tree without a vote (damaged_o). late_o: more than Timeout clocks without a response.
+// not exist, ends its tree without a vote (damaged_o). late_o: more than Timeout clocks without a response, or what only an
+// upset of a queue leaves behind: a leaf of a decision that has all of its votes or has left, a tag that waits already.
 // Throughput: a node a clock with Walkers >= 14 in block RAM.   Model: model/meissner/twins/forest/forest.py
 
 module msn_forest_engine #(
@@ -26,6 +27,7 @@ module msn_forest_engine #(
   parameter  int unsigned Lanes       = 4,
   parameter  int unsigned Contexts    = 4,     // decisions under way
   parameter  int unsigned Timeout     = 4096,  // clocks
+  parameter  int unsigned Patience    = Timeout,  // clocks after a flush in which an answer may still come
   localparam int unsigned IndexBits   = msn_pkg::index_width(Features),
   localparam int unsigned AddressBits = msn_pkg::index_width(Nodes),
   localparam int unsigned TagBits     = msn_pkg::index_width(Walkers),
@@ -41,8 +43,8 @@ module msn_forest_engine #(
   input  logic                   flush_i,     // gives up what is under way
   output logic [Contexts-1:0]    done_o,
   output logic [Contexts-1:0]    damaged_o,
-  output logic                   late_o,
-  output logic                   stuck_o,     // waits for responses since a flush
+  output logic                   late_o,      // what is under way has to be given up
+  output logic                   stuck_o,     // waits for responses since a flush, at most Patience clocks
   output logic                   step_o,      // a node was compared
 
   input  logic                   row_write_i,
@@ -93,16 +95,21 @@ module msn_forest_engine #(
   if (Timeout < 2 * Classes + 64 || Timeout > 2 ** 24) begin : gen_check_timeout
     $fatal(1, "msn_forest_engine: Timeout = %0d must lie in 2 * Classes + 64 .. 2^24", Timeout);
   end
+  if (Patience < Timeout || Patience > 2 ** 30) begin : gen_check_patience
+    $fatal(1, "msn_forest_engine: Patience = %0d must lie in Timeout .. 2^30", Patience);
+  end
 
   localparam int unsigned Depth    = (Walkers > 1) ? 2 ** TagBits : 2;
   localparam int unsigned RootBits = msn_pkg::index_width(Trees);
   localparam int unsigned FeatureA = 54;  // where a word has its feature
+  localparam int unsigned MarkBits = 1 + ContextBits;  // of a decision: its turn, its context
 
   // The roots of the decision that begins: read ahead, one a clock.
   logic                   trees_bank, issuing, start, take_root;
   logic [ContextBits-1:0] issue_context, start_context, next_context;
   logic                   root_valid, root_spoilt, unused_end;
   logic [Contexts-1:0]    issued, eligible;
+  logic [Contexts-1:0]    turn;  // the other value for the next decision of a context
   logic [TreeBits-1:0]    left, trees;
   logic [2*TreeBits-1:0]  counts;
   logic [AddressBits-1:0] root;
@@ -141,6 +148,7 @@ module msn_forest_engine #(
     for (int unsigned k = 0; k < Contexts; k++) begin
       if (start && start_context == ContextBits'(k)) issued[k] <= 1'b1;
       if (free_i[k]) issued[k] <= 1'b0;
+      if (free_i[k]) turn[k] <= !turn[k];
     end
     if (load_count_i && load_data_i <= Trees) begin
       counts[TreeBits*32'(Banks == 2 && !bank_i)+:TreeBits] <= TreeBits'(load_data_i);
@@ -148,6 +156,7 @@ module msn_forest_engine #(
     if (flush_i || rst_i) {start, issuing} <= '0;
     if (rst_i) begin
       issued  <= '0;
+      turn    <= '0;
       counts  <= '0;
     end
   end
@@ -157,30 +166,33 @@ module msn_forest_engine #(
   logic                   clear, walk_in, walk_valid, walk_take, leaf_in, leaf_valid, leaf_take;
   logic                   free_in, free_valid;
   logic                   leaf_bad;
-  logic [ContextBits-1:0] walk_context, leaf_context, request_context;
+  logic [MarkBits-1:0]    walk_mark, leaf_mark, request_mark;
+  logic [ContextBits-1:0] leaf_context;
   logic [AddressBits-1:0] walk_address;
   logic [TagBits-1:0]     walk_tag, leaf_tag, free_tag, given;
   logic [15:0]            leaf;
   logic                   walk_room, leaf_room, free_room;
   logic [2:0]             unused_half;
-  assign clear = rst_i || flush_i;
+  assign clear        = rst_i || flush_i;
+  assign leaf_context = leaf_mark[ContextBits-1:0];
 
   // The request. Nodes come before new trees, so a walk does not wait for the forest's last trees.
   logic                   slot;
   logic [AddressBits-1:0] request_address;
   logic [TagBits-1:0]     request_tag;
   logic [Walkers-1:0]     waiting;
+  logic                   gives_up;  // what waits for an answer gets none any more
   assign slot            = !req_valid_o || req_ready_i;
   assign walk_take       = slot && walk_valid;
   assign take_root       = slot && !walk_valid && free_valid && issuing && root_valid;
   assign request_address = walk_valid ? walk_address : root;
-  assign request_context = walk_valid ? walk_context : issue_context;
+  assign request_mark    = walk_valid ? walk_mark : {turn[issue_context], issue_context};
   assign request_tag     = walk_valid ? walk_tag : free_tag;
   assign req_bank_o      = trees_bank;
 
   // Where each walker is: a response has only its tag.
-  (* no_rw_check *) logic [ContextBits+AddressBits-1:0] places [Walkers];
-  logic [ContextBits+AddressBits-1:0] place;
+  (* no_rw_check *) logic [MarkBits+AddressBits-1:0] places [Walkers];
+  logic [MarkBits+AddressBits-1:0] place;
   logic                 hit;
   assign place = places[rsp_tag_i];
   assign hit   = rsp_valid_i && 32'(rsp_tag_i) < Walkers && waiting[rsp_tag_i];  // twice the same tag: once
@@ -192,10 +204,11 @@ module msn_forest_engine #(
       req_tag_o     <= request_tag;
     end
     if ((walk_take || take_root) && !flush_i) begin
-      places[request_tag]  <= {request_context, request_address};
+      places[request_tag]  <= {request_mark, request_address};
       waiting[request_tag] <= 1'b1;
     end
     if (flush_i && slot) req_valid_o <= 1'b0;
+    if (gives_up) waiting <= '0;
     if (rst_i) begin
       req_valid_o <= 1'b0;
       waiting     <= '0;
@@ -205,7 +218,7 @@ module msn_forest_engine #(
   // One node: place, features (2 clocks), compare, select. Only what later clocks need of a word stays in it.
   logic [4:1]             valid;
   logic [TagBits-1:0]     tag_1, tag_2, tag_3, tag_4, tag_5;
-  logic [ContextBits-1:0] context_1, context_2, context_3, context_4, context_5;
+  logic [MarkBits-1:0]    mark_1, mark_2, mark_3, mark_4, mark_5;
   logic [AddressBits-1:0] at_1, at_2, next_3, next_4, next_5;
   logic [63:0]            word_1;
   logic [7:0]             index_2;
@@ -220,7 +233,7 @@ module msn_forest_engine #(
   msn_ram #(.Words(2 ** (IndexBits + ContextBits)), .Width(FeatureBits)) u_row (
     .clk_i,
     .write_i(row_write_i), .write_address_i({row_context_i, row_index_i}), .write_data_i(row_data_i),
-    .read_i(1'b1), .read_address_i({context_1, word_1[FeatureA+:IndexBits]}), .out_data_o(value)
+    .read_i(1'b1), .read_address_i({mark_1[ContextBits-1:0], word_1[FeatureA+:IndexBits]}), .out_data_o(value)
   );
   assign ends_4      = right_4 ? kind_4[1] : kind_4[0];
   assign leaf_4      = right_4 ? low_4[15:0] : low_4[31:16];
@@ -228,9 +241,9 @@ module msn_forest_engine #(
   assign leaf_fits_4 = Classes == 2 || 32'(leaf_4) < Leaves;
   assign good_4      = fits_4 && (ends_4 ? leaf_fits_4 : is_far_4 ? far_fits_4 : next_fits_4);
   always_ff @(posedge clk_i) begin
-    {tag_5, tag_4, tag_3, tag_2, tag_1}                     <= {tag_4, tag_3, tag_2, tag_1, rsp_tag_i};
-    {context_5, context_4, context_3, context_2, context_1} <= {context_4, context_3, context_2, context_1,
-                                                                place[AddressBits+:ContextBits]};
+    {tag_5, tag_4, tag_3, tag_2, tag_1}      <= {tag_4, tag_3, tag_2, tag_1, rsp_tag_i};
+    {mark_5, mark_4, mark_3, mark_2, mark_1} <= {mark_4, mark_3, mark_2, mark_1,
+                                                 place[AddressBits+:MarkBits]};
     at_1        <= place[AddressBits-1:0];
     word_1      <= rsp_data_i;
     at_2        <= at_1;
@@ -265,16 +278,16 @@ module msn_forest_engine #(
   logic unused_word;
   assign unused_word = ^word_1;
 
-  msn_fifo #(.Depth(Depth), .Width(ContextBits + AddressBits + TagBits)) u_walk (
+  msn_fifo #(.Depth(Depth), .Width(MarkBits + AddressBits + TagBits)) u_walk (
     .clk_i, .rst_i(clear),
-    .in_valid_i(walk_in), .in_ready_o(walk_room), .in_data_i({context_5, next_5, tag_5}),
-    .out_valid_o(walk_valid), .out_ready_i(slot), .out_data_o({walk_context, walk_address, walk_tag}),
+    .in_valid_i(walk_in), .in_ready_o(walk_room), .in_data_i({mark_5, next_5, tag_5}),
+    .out_valid_o(walk_valid), .out_ready_i(slot), .out_data_o({walk_mark, walk_address, walk_tag}),
     .half_o(unused_half[0])
   );
-  msn_fifo #(.Depth(Depth), .Width(ContextBits + 17 + TagBits)) u_leaf (
+  msn_fifo #(.Depth(Depth), .Width(MarkBits + 17 + TagBits)) u_leaf (
     .clk_i, .rst_i(clear),
-    .in_valid_i(leaf_in), .in_ready_o(leaf_room), .in_data_i({context_5, bad_5, leaf_5, tag_5}),
-    .out_valid_o(leaf_valid), .out_ready_i(leaf_take), .out_data_o({leaf_context, leaf_bad, leaf, leaf_tag}),
+    .in_valid_i(leaf_in), .in_ready_o(leaf_room), .in_data_i({mark_5, bad_5, leaf_5, tag_5}),
+    .out_valid_o(leaf_valid), .out_ready_i(leaf_take), .out_data_o({leaf_mark, leaf_bad, leaf, leaf_tag}),
     .half_o(unused_half[1])
   );
   msn_fifo #(.Depth(Depth), .Width(TagBits)) u_free (
@@ -288,7 +301,7 @@ module msn_forest_engine #(
   );
 
   // All tags become free after a reset, and after a flush when no response is outstanding: a late one is not
-  // taken for the response to a new request.
+  // taken for the response to a new request. One to a request whose tag an upset changed never comes.
   logic quiet_tags;
   assign quiet_tags = waiting == '0 && !req_valid_o;
   assign stuck_o    = filling && !quiet_tags;
@@ -317,21 +330,29 @@ module msn_forest_engine #(
     .write_class_i(load_address_i[31:16]), .write_data_i(load_data_i[15:0])
   );
 
-  // A decision is done when each of its trees is in the sums.
-  localparam int unsigned QuietBits = $clog2(Timeout);
+  // A decision is done when each of its trees is in the sums. A leaf on top of them would be taken for one of the next
+  // decision, whose last leaf for one of the next, and so on: votes that are wrong for ever.
+  localparam int unsigned QuietBits = $clog2(Patience);
   logic [TreeBits-1:0]  voted [Contexts];
   logic [QuietBits-1:0] quiet;
-  logic                 works;
-  assign works = (go_i & ~done_o) != '0;
+  logic                 works, waits_too_long, foreign, twice;
+  logic [Contexts-1:0]  full;
+  assign works          = (go_i & ~done_o) != '0;
+  assign waits_too_long = works && !hit && counted == '0 && quiet == QuietBits'(Timeout - 1);
+  assign gives_up       = stuck_o && quiet == QuietBits'(Patience - 1);
+  assign foreign        = leaf_valid && leaf_take
+                          && (leaf_mark[ContextBits] != turn[leaf_context] || done_o[leaf_context]);
+  assign twice          = (walk_take || take_root) && waiting[request_tag];
+  always_comb for (int unsigned k = 0; k < Contexts; k++) full[k] = voted[k] == trees;
   always_ff @(posedge clk_i) begin
     for (int unsigned k = 0; k < Contexts; k++) begin
-      voted[k]  <= free_i[k] ? '0 : voted[k] + TreeBits'(counted[k]);
-      done_o[k] <= issued[k] && voted[k] == trees && !free_i[k];
+      voted[k]  <= free_i[k] ? '0 : voted[k] + TreeBits'(counted[k] && !full[k]);
+      done_o[k] <= issued[k] && full[k] && !free_i[k];
       if (leaf_valid && leaf_take && leaf_bad && leaf_context == ContextBits'(k)) damaged_o[k] <= 1'b1;
       if (free_i[k]) damaged_o[k] <= 1'b0;
     end
-    quiet  <= (!works || hit || counted != '0 || flush_i) ? '0 : quiet + 1'b1;
-    late_o <= works && !hit && counted == '0 && quiet == QuietBits'(Timeout - 1);
+    quiet  <= (!(works || stuck_o) || hit || counted != '0 || flush_i) ? '0 : quiet + 1'b1;
+    late_o <= waits_too_long || foreign || twice || (counted & full) != '0;
     if (rst_i) begin
       for (int unsigned k = 0; k < Contexts; k++) voted[k] <= '0;
       done_o    <= '0;

@@ -21,7 +21,8 @@ module msn_forest_sdram #(
   parameter  int unsigned PowerUpUs   = 200,
   parameter  int unsigned ReadClocks  = 4,
   localparam int unsigned ClassBits   = msn_pkg::index_width(Classes),
-  localparam int unsigned TagBits     = msn_pkg::index_width(Walkers)
+  localparam int unsigned TagBits     = msn_pkg::index_width(Walkers),
+  localparam int unsigned ContextBits = 2
 ) (
   input  logic                   clk_i,
   input  logic                   rst_i,
@@ -31,6 +32,7 @@ module msn_forest_sdram #(
   input  logic [FeatureBits-1:0] in_data_i,
   input  logic                   in_last_i,
   output logic [31:0]            damaged_o,
+  output logic [ContextBits-1:0] in_context_o,
 
   output logic                   out_valid_o,
   input  logic                   out_ready_i,
@@ -39,6 +41,7 @@ module msn_forest_sdram #(
   output logic                   out_last_o,
   output logic [ClassBits-1:0]   out_class_o,
   output logic [2:0]             out_error_o,
+  output logic [ContextBits-1:0] out_context_o,
   output logic                   step_o,
 
   input  logic                   load_valid_i,
@@ -86,11 +89,13 @@ module msn_forest_sdram #(
 
   msn_forest #(
     .Features(Features), .FeatureBits(FeatureBits), .Classes(Classes), .Trees(Trees), .Nodes(2 ** 22),
-    .Leaves(Leaves), .Engines(1), .Banks(Banks), .Walkers(Walkers), .Outside(1'b1)
+    .Leaves(Leaves), .Engines(1), .Banks(Banks), .Walkers(Walkers), .Contexts(2 ** ContextBits),
+    .Outside(1'b1)
   ) u_forest (
     .clk_i, .rst_i,
-    .in_valid_i, .in_ready_o, .in_data_i, .in_last_i, .damaged_o,
-    .out_valid_o, .out_ready_i, .out_id_o, .out_votes_o, .out_last_o, .out_class_o, .out_error_o, .step_o,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_last_i, .damaged_o, .in_context_o,
+    .out_valid_o, .out_ready_i, .out_id_o, .out_votes_o, .out_last_o, .out_class_o, .out_error_o,
+    .out_context_o, .step_o,
     .load_valid_i, .load_ready_o(forest_ready), .load_kind_i, .load_engine_i(1'b0), .load_address_i,
     .load_data_i,
     .swap_i(swap), .swapping_o(swapping),

@@ -2,13 +2,17 @@
 sensor, damaged frames of a host, a slip's octant. The model's words by hand."""
 
 import random
+import re
+from itertools import pairwise
 
 import cocotb
 import numpy as np
 import pytest
+from cocotb.utils import get_sim_time
 
 import bench
 import members
+from meissner.builds import config
 from meissner.twins.actuate.display import Display, DisplayConfig, words
 from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize
 from meissner.twins.actuate.render import RenderSettings
@@ -62,6 +66,26 @@ class Bench:
         assert not any(self.driver.outputs[GRID[0] * GRID[1] :])
         return np.reshape(self.driver.outputs[: GRID[0] * GRID[1]], GRID)
 
+    async def lit(self, periods, wait=4):
+        """(clocks in which each pin is high in so many periods, rises of the first pin), after a ``wait``."""
+        await bench.clocks(self.dut, wait * PERIOD)
+        seen, points = len(self.driver.changes), [(get_sim_time("ns"), self.driver.outputs)]
+        await bench.clocks(self.dut, periods * PERIOD)
+        points += [*self.driver.changes[seen:], (get_sim_time("ns"), self.driver.outputs)]
+        spans = [np.array(levels) * (b - a) / 10 for (a, levels), (b, _) in pairwise(points)]
+        rises = sum(not a[0] and b[0] for (_, a), (_, b) in pairwise(points))
+        return np.sum(spans, axis=0)[: GRID[0] * GRID[1]], rises
+
+    async def shows(self, image):
+        """{(row, column)} of the pins that are on after an image."""
+        await self.image(image)
+        clocks, _ = await self.lit(1, 2)
+        return {tuple(pin) for pin in np.argwhere(clocks.reshape(GRID)).tolist()}
+
+    @property
+    def status(self):
+        return members.of("display_status", bench.read(self.dut.status_o))
+
 
 felt = bench.applies(lambda dut: dut.Image.value.to_unsigned() == 1)
 
@@ -110,6 +134,50 @@ async def what_the_sensor_feels_is_on_the_pins_in_time(dut):
 
 
 @felt
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def each_setting_of_the_drive_counts(dut):
+    """Clocks in four periods of 10,000, each within a clock of the next; a level of 3 is high for a half."""
+    here = await Bench().start(dut)
+    await here.image(np.full(SHAPE, 999))
+    for more, clocks, rises, pins, limited in (
+        ({}, 20_000, 4, 10, 0),
+        ({"top": 1}, 10_000, 4, 10, 0),
+        ({"burst_period": 4, "burst_on": 3}, 15_000, 3, 10, 0),
+        ({"increment": SETTINGS["increment"] // 2}, 20_000, 2, 10, 0),
+        ({"most": 3}, 20_000, 4, 3, 1),
+        ({"duty": 0}, 0, 0, 0, 1),
+        ({"enable": 0}, 0, 0, 0, 0),
+        ({"stop": 9}, 0, 0, 0, 0),
+    ):
+        dut.cfg_i.value = word(**more)
+        high, risen = await here.lit(4)
+        on = pins if clocks else 0
+        assert np.abs(high - ([clocks] * on + [0] * (10 - on))).max() < 8 and risen == rises, more
+        status = here.status
+        running = int(not {"enable", "stop"} & set(more))
+        assert (status["state_running"], status["state_limited"] if running else 0) == (running, limited), (
+            more
+        )
+        assert status["state_pins"] == pins or "burst_on" in more, more
+
+
+@felt
+@cocotb.test(timeout_time=9, timeout_unit="ms")
+async def a_centre_of_pressure_is_marked_and_a_slip_moves_by_the_register(dut):
+    here = await Bench().start(dut, render=RenderSettings(1, 0, 1, 1), octant=6)
+    for x, y, pressed, expected in ((3000, -9000, 1, {(1, 2)}), (-9000, 9000, 1, {(0, 1)}), (0, 0, 0, set())):
+        dut.cop_valid_i.value = 1
+        dut.cop_i.value = members.word("cop", {"x": x, "y": y, "pressed": pressed})
+        await bench.clocks(dut, 1)
+        dut.cop_valid_i.value = 0
+        assert await here.shows(np.zeros(SHAPE)) == expected
+    dut.slip_i.value = dut.raised_i.value = 1
+    dut.octant_i.value = 3  # that only a core with a direction uses
+    for phase in range(3):
+        assert await here.shows(np.zeros(SHAPE)) == stripes(6, phase, *GRID)
+
+
+@felt
 @cocotb.test(timeout_time=9, timeout_unit="ms")
 async def a_hosts_words_are_a_frame(dut):
     """A cut frame is dropped; the sensor's frames do not count, nor its faults."""
@@ -129,9 +197,13 @@ async def a_hosts_words_are_a_frame(dut):
         await bench.clocks(dut, 50)
         seen |= here.on
     assert seen.tolist() == (levels > 0).tolist()
-    status = members.of("display_status", bench.read(dut.status_o))
+    status = here.status
     assert (status["size_rows"], status["size_columns"], status["size_bits"]) == (2, 5, 2)
     assert (status["state_running"], status["state_fault"], status["state_pins"]) == (1, 0, 5)
+    assert (status["dropped"], status["faults"]) == (0, 0)
+    await here.host(levels)  # it ends the frame that was cut: too long
+    await bench.clocks(dut, 100)
+    assert here.status["dropped"] == 1
 
 
 @felt
@@ -141,15 +213,22 @@ async def a_fault_of_the_sensor_switches_off(dut):
     here = await Bench().start(dut)
     await here.image(np.full(SHAPE, 500))
     await bench.clocks(dut, 2 * PERIOD + SIZE.lead + 400)
-    for name in ("scan_lost", "adc_timeout", "adc_mistagged", "health_railed"):
-        assert bench.high(dut.hv_bl_o)
+    once = ("scan_lost", "adc_timeout", "adc_mistagged")
+    lasting = ("health_railed", "health_dead", "health_blinking")
+    for name in once + lasting:
+        assert bench.high(dut.hv_bl_o) and bench.high(dut.hv_pol_o) and not bench.high(dut.hv_dir_o)
         dut.sensor_i.value = members.word("status", {name: 1})
         await bench.clocks(dut, 4)
         assert not bench.high(dut.hv_bl_o) and not here.on.any(), name
         await bench.clocks(dut, 2 * PERIOD + SIZE.lead)
-        assert bench.high(dut.hv_bl_o) == (name != "health_railed")
-    status = members.of("display_status", bench.read(dut.status_o))
-    assert status["faults"] == 4
+        assert bench.high(dut.hv_bl_o) == (name in once)
+        assert here.status["state_fault"] == (name in lasting)
+        dut.cfg_i.value = word(health=0)
+        await bench.clocks(dut, 2 * PERIOD + SIZE.lead)
+        assert bench.high(dut.hv_bl_o) and not here.status["state_fault"]
+        dut.sensor_i.value, dut.cfg_i.value = members.word("status", {}), word()
+        await bench.clocks(dut, 2 * PERIOD + SIZE.lead)
+    assert here.status["faults"] == len(once) * 2 + len(lasting)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -159,7 +238,10 @@ async def rests_in_reset(dut):
 
 EVIDENCE = {
     "equivalence": {"boxes": True},
-    "faults": {"none": "no frames leave: those of its blocks are injected there"},
+    "faults": {
+        "none": "render, pin_display, fifo and width_converter, each done alone; its own upsets last for "
+        "a clock, a host's frame, or until a slip begins"
+    },
 }
 
 
@@ -179,3 +261,41 @@ def test_words_by_hand():
     for wrong in (-1, 256):
         with pytest.raises(ValueError, match="level"):
             words([[wrong, 0]])
+
+
+PAD = {
+    "about": "a",
+    "clock": {"mhz": 24.0},
+    "sensor": {"kind": "array", "rows": 2, "columns": 4},
+    "adc": {"part": "MCP3208", "channels": 4, "volts": 5.0, "rate_hz": 100.0, "settle_us": 2.0},
+    "array": {"health": False, "tare": False},
+}
+FINGERS = PAD | {"sensor": {"kind": "channels", "channels": 3}, "adc": {"part": "MCP3208", "volts": 5.0}}
+FINGERS["adc"] |= {"rate_hz": 1000.0}
+FINGERS["slip"] = {"window": 32, "threshold_p2p_v": 0.02, "gross_threshold_p2p_v": 0.1, "contact_rises": True}
+FINGERS["slip"] |= {"contact_level_v": 1.5, "release_level_v": 1.0}
+del FINGERS["array"]
+LIMITS = [  # the build, keys of [display] that are taken, one of them beyond, what the sentence names
+    (PAD, {"rows": 1, "columns": 2}, {"columns": 1}, "2 pins"),
+    (PAD, {"rows": 63, "columns": 65, "chains": 8, "amplitude_bits": 1}, {"rows": 64, "columns": 64}, "pins"),
+    (PAD, {"rows": 7, "columns": 5, "chains": 7}, {"chains": 8}, "chains = 8 must all have pins"),
+    (PAD, {"duty": 0.0003, "drive_hz": 400.0}, {"duty": 0.000275}, "duty = 0.000275 must be at least 0.0003"),
+    (PAD, {"duty": 0.10005, "drive_hz": 1.0}, {"duty": 0.1}, "duty = 0.1 must be at least 0.10005"),
+    (PAD, {"duty": 1}, {"duty": 0}, "duty = 0 must be at least"),
+    (PAD, {"most_pins": 1}, {"most_pins": 0}, "most_pins = 0"),
+    (PAD, {"burst_s": 0.4, "burst_on_s": 0.4}, {"burst_on_s": 0}, "burst_on_s must be above 0"),
+    (PAD, {"stop_s": 0.0105}, {"stop_s": 0.01}, "stop_s = 0.01 must be above 0.01"),
+    (PAD, {"stop_s": 0.01, "source": "host"}, {"source": "sensor"}, "stop_s = 0.01"),
+    (PAD, {"floor_codes": 65519}, {"floor_codes": 65520}, "floor_codes = 65520 must be at most 65519"),
+    (FINGERS, {"floor_codes": 4095}, {"floor_codes": 4096}, "floor_codes = 4096 must be at most 4095"),
+    (FINGERS, {"step_codes": 4095}, {"step_codes": 4096}, "step_codes = 4096 must be at most 4095"),
+]
+
+
+@pytest.mark.parametrize("build, taken, beyond, says", LIMITS, ids=[says for *_, says in LIMITS])
+def test_a_display_that_could_never_show_anything_is_refused(build, taken, beyond, says):
+    """A period of 400 Hz is 10 ticks, of 1 Hz 4000; the next needs room for two more; 10 s have 40,000."""
+    config.read("a", build | {"display": taken})
+    with pytest.raises(ValueError, match=re.escape(says)) as problem:
+        config.read("a", build | {"display": taken | beyond})
+    assert "[display]" in str(problem.value)

@@ -275,9 +275,19 @@ async def a_frame_that_ends_as_the_last_one_is_read_again_waits(dut):
             assert list(here.changes(0)[-1][1]) == [int(level > 0) for level in shown], place
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset(dut):
+    await bench.inputs_in_reset(
+        dut, "hv_clk_o", "hv_le_o", "hv_bl_o", "running_o", "pins_o", "limited_o", "dropped_o"
+    )
+    assert bench.high(dut.hv_pol_o) and not bench.high(dut.hv_dir_o)
+
+
 EVIDENCE = {
     "equivalence": {"boxes": True},
-    "faults": {"none": "no frames leave: those of its blocks are injected there"},
+    "faults": {
+        "none": "instances and wires: image_store, pin_phase, pin_limits and pin_shift, each done alone"
+    },
 }
 
 
@@ -307,7 +317,20 @@ def test_refuses_what_cannot_be_shifted_in_time():
             "pin_display", given
         )
     assert DisplaySize(**wide, amplitude_bits=3, chains=2).half == 3
-    for wrong in ({"pins": 1}, {"chains": 9}, {"amplitude_bits": 7}, {"ticks": 3999}, {"min_hz": 401}):
+    for chains, pins in ((7, 35), (2, 2), (8, 50)):
+        DisplaySize(pins=pins, chains=chains)
+    with pytest.raises(ValueError, match="chains = 8 must all have pins"):
+        DisplaySize(pins=35, chains=8)  # five a chain, so seven have all
+    assert "some for each of the chains" in bench.refuses("pin_shift", {"Pins": 35, "Chains": 8})
+    for wrong in (
+        {"pins": 1},
+        {"pins": 4096},
+        {"chains": 9},
+        {"chains": 4, "pins": 5},
+        {"amplitude_bits": 7},
+        {"ticks": 3999},
+        {"min_hz": 401},
+    ):
         with pytest.raises(ValueError, match=next(iter(wrong))):
             DisplaySize(**wrong)
     for wrong in ({"watchdog": 16}, {"top": 256}, {"increment": 1 << 32}):
@@ -319,6 +342,29 @@ def test_widths_of_pulses_by_hand():
     """One bit: half of the period, or nothing. Two bits: 2, 3 and 4 of 8 slots."""
     assert high([0, 1], 1).tolist() == [[False] * 4, [True, True, False, False]]
     assert share([0, 1, 2, 3], 2).tolist() == [0, 2 / 8, 3 / 8, 4 / 8]
+
+
+def test_twin_at_a_frequency_of_0_and_with_a_wrong_frame():
+    """Periods of 1000 clocks, 25 ticks; a pause charges the period before it, and a silent one follows. The
+    first period, the silent one, has one clock more, as its first has no increment."""
+    size, frame = SIZES[0], [1] * 35
+    twin = PinDisplay(size, DisplaySettings(increment=size.limits[1], duty=3 * 26 + 27))
+    twin.on_again(39)
+    found = [twin.next(frame), twin.next(), twin.next()]
+    assert [p.silent for p in found] == [True, False, False] and [p.clocks for p in found] == [
+        1002,
+        1000,
+        1000,
+    ]
+    assert twin.next(settings=DisplaySettings(increment=size.limits[0] - 1)) is None and not twin.levels.any()
+    assert twin.next(settings=DisplaySettings()) is None  # off as before
+    twin.on_again(9999)
+    again = DisplaySettings(increment=size.limits[1], duty=3 * 26 + 27)
+    found = [twin.next(settings=again), *(twin.next() for _ in range(3))]
+    assert [p.silent for p in found] == [True, False, False, False]
+    assert [p.levels.all() for p in found] == [False, True, True, False]  # no room after four of 26 ticks
+    with pytest.raises(ValueError, match=r"shape \(34,\), which must be \(35,\)"):
+        twin.next(frame[1:])
 
 
 @pytest.mark.parametrize("duty, watchdog", [(65535, 15), (1500, 15), (65535, 1), (3000, 3)])

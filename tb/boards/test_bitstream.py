@@ -143,6 +143,29 @@ def test_a_larger_device_where_one_is_too_small(placed, tmp_path):
         bitstream.build(board, mine, "25F", "x", (1, 2), False)
 
 
+def test_delays_of_pins():
+    """The longest way out and in of each kind; of the SDRAM's clock none, and none between registers."""
+    ends = lambda *found: [{"event": event, "cell": cell, "delay": list(ns)} for event, cell, *ns in found]
+    net = lambda event, driver, *found: {"event": event, "driver": driver, "endpoints": ends(*found)}
+    given = [
+        net(
+            "posedge clk",
+            "ff",
+            ("<async>", "adc_cs_n_o$tr_io", 1.0, 4.26),
+            ("posedge clk", "adc_cs_n_q", 9.0),
+        ),
+        net("posedge clk", "ff", ("<async>", "sdram_a_o[3]$tr_io", 5.0), ("<async>", "sdram_clk_o", 8.0)),
+        net("posedge clk", "ff", ("<async>", "sdram_dq_io[1]$tr_io", 6.12, 2.0), ("<async>", "led_o", 7.0)),
+        net("<async>", "sdram_dq_io[1]$tr_io", ("posedge clk", "ff", 0.5), ("posedge clk", "ff", 1.5)),
+        net("<async>", "rx_i$tr_io", ("posedge clk", "ff", 3.0)),
+    ]
+    assert bitstream.pin_delays({"detailed_net_timings": given}) == {
+        "spi_out_ns": 4.3,
+        "sdram_out_ns": 6.1,
+        "sdram_in_ns": 1.5,
+    }
+
+
 def test_a_tool_that_does_not_end_is_stopped(tmp_path, monkeypatch):
     (ROOT / "build/tb/endless").mkdir(parents=True, exist_ok=True)
     with pytest.raises(ToolError, match="processor time"):

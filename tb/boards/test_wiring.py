@@ -214,11 +214,35 @@ def test_groups_of_columns_and_decoded_rows_are_named(tmp_path):
         assert abs(y - rows[net][1]) < NEAR, text
 
 
-def test_texts_do_not_overlap():
-    """A letter takes 0.6 of its size in width at most on average; lines of text stand apart."""
-    for board, name in PAIRS:
+TURNS = """about = "31 columns in 11 turns"
+[clock]
+mhz = 12.0
+[sensor]
+kind = "array"
+rows = 3
+columns = 31
+[adc]
+part = "MCP3208"
+volts = 3.3
+rate_hz = "max"
+converters = 3
+channels = 1
+[link]
+registers = false
+"""
+
+
+def test_texts_do_not_overlap(tmp_path):
+    """A letter takes 0.6 of its size in width at most on average; lines of text stand apart, and within the
+    picture. Input 0 of the converters 0, 1, 2 reads columns 0, 3 .. 30, then 1, 4 .. 28 and 2, 5 .. 29."""
+    (tmp_path / "turns.toml").write_text(TURNS)
+    turns = boards.BOARDS["icebreaker"], str(tmp_path / "turns.toml")
+    seen = Seen(svg(*turns))
+    for text in ("0 | 3 | 6 | ... | 27 | 30", "1 | 4 | 7 | ... | 28 | -", "2 | 5 | 8 | ... | 29 | -"):
+        assert len(seen.find(text)) == len(seen.find(f"columns {text}")) == 1
+    for board, name in [*PAIRS, turns]:
         root = ElementTree.fromstring(svg(board, name))
-        boxes = []
+        boxes, (x0, _, width, _) = [], map(float, root.get("viewBox").split())
         for text in root.iter(f"{SPACE}text"):
             [line] = text
             size, anchor = float(text.get("font-size")), text.get("text-anchor")
@@ -228,6 +252,7 @@ def test_texts_do_not_overlap():
             middle = y if text.get("dominant-baseline") == "central" else y - size / 2
             boxes.append((left, left + wide, middle - 0.4 * size, middle + 0.4 * size, line.text))
         for k, (left, right, top, low, text) in enumerate(boxes):
+            assert x0 <= left and right <= x0 + width, (board.name, name, text)
             for other in boxes[:k]:
                 apart = right <= other[0] or other[1] <= left or low <= other[2] or other[3] <= top
                 assert apart, (board.name, name, text, other[4])

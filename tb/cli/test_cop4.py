@@ -53,6 +53,28 @@ def test_process_cop4(tmp_path, codes, engine, name):
     assert result["load"][1:4] / 1e3 == pytest.approx([1, 2, 5], rel=0.03)
 
 
+def test_volts_of_the_electrodes_become_codes(tmp_path, codes):
+    """With a unit, and as a LabJack writes them; what lies beyond the range is said."""
+    volts = cop4_file.load(tmp_path / "c.toml").adc.volts_of(codes[:5]) / 0.3
+    rows = "".join(f"{k / 100},{','.join(map(repr, row))}\n" for k, row in enumerate(volts.tolist()))
+    for head in ("t (s),E1 (V),E2 (V),E3 (V),E4 (V)\n", "Time,AIN0,AIN1,AIN2,AIN3\n"):
+        (tmp_path / "v.csv").write_text(head + rows)
+        done = meissner(*cop4("v.csv", "--overwrite"), cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (
+            0,
+            "",
+        ) and "of a converter of -16.6667 to 16.6667 V" in done.stdout
+        expected = engines.process_cop4(codes[:5], cop4_file.load(tmp_path / "c.toml"), "fixed")
+        assert all(np.array_equal(np.load(tmp_path / "out.npz")[name], expected[name]) for name in expected)
+    (tmp_path / "v.csv").write_text("1.5,17,-17,0.1\n")
+    assert "2 beyond its range cut" in meissner(*cop4("v.csv", "--overwrite"), cwd=tmp_path).stdout
+    done = meissner(*cop4("v.csv", "--overwrite", "--volts-per-code", "0.125"), cwd=tmp_path)
+    assert "volts, to codes of 0.125 V, -136 .. 136" in done.stdout
+    (tmp_path / "t.csv").write_text("t (s),u (s),a,b,c,d\n0,0,1,2,3,4\n1,1,2,3,4,5\n")
+    assert "give the rate with --rate" in meissner(*cop4("t.csv", "--overwrite"), cwd=tmp_path).stderr
+    assert not meissner(*cop4("t.csv", "--overwrite", "--rate", "5"), cwd=tmp_path).stderr
+
+
 def test_process_cop4_counts_each_kind_of_fault(tmp_path, codes):
     """E1 without its current, which unbalances N too; then N alone twice; then no load and no fault."""
     faulty = codes[[2, 2, 2, 0]].copy()

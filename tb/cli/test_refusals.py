@@ -47,7 +47,7 @@ empty.csv: slip empty.csv
 words.csv: slip words.csv; fit-rubber words.csv
 shape: slip single.npy; slip cube.npy; cop in.npy; cop in.csv; cop empty.npy
 shape: cop4 single.npy; cop4 turned.npy; cop4 five.csv; cop4 none.npy
-integers: slip complex.npy; slip half.npy; cop half3.npy; cop complex3.npy; cop4 half4.npy; cop4 complex4.npy
+integers: slip complex.npy; slip half.npy; cop half3.npy; cop complex3.npy; cop4 complex4.npy
 NaN: slip nan.npy; cop nan3.npy; cop nan32.npy --calibration cal.npz; cop4 nan4.npy
 outside: slip wide.npy; cop negative.npy; cop high.npy; cop far.npy --calibration cal.npz; cop4 wide4.npy
 4096: slip many.npy
@@ -87,6 +87,10 @@ array: cop cube.npy --config cop4; calibrate cube.npy --force in.npy --config co
 column: slip in.csv --column 3; fit-rubber in.csv --column 1,2
 volts-per-code: slip in.npy --volts-per-code 0; cop cube.npy --volts-per-code nan
 3x: cop in.npy --shape 3x
+1×2: cop in.csv --shape 1x2 --config fingertip; calibrate in.csv --shape 1x2 --config fingertip
+shape: cop4 half.npy; cop4 in.csv
+choose: process slip ten.csv --config fingertip --out out.npz
+alike: threshold timed.csv slow.csv
 text.npz: calibrate text.npz; fit-rubber text.npz
 forces: calibrate press.npz --force in.npy
 force_n: calibrate cube.npy --force in.npy
@@ -209,6 +213,9 @@ def inputs(tmp_path_factory):
         "words.csv": "a,b\n",
         "empty.csv": "# nothing\n",
         "five.csv": "1,2,3,4,5\n" * 2,
+        "ten.csv": "1,2,3,4,5,6,7,8,9,10\n" * 9,
+        "slow.csv": "t (s),a\n" + "".join(f"{k / 400},{k % 3}\n" for k in range(99)),
+        "timed.csv": "t (s),a\n" + "".join(f"{k / 500},{k % 3}\n" for k in range(99)),
         "short.toml": "[mesh]\n[converter]\n",
         "half.toml": 'about = "half"\n[clock]\nmhz = 25.0\n',
         "c.toml": (ROOT / "docs/cop4.toml").read_text("utf-8"),

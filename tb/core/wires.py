@@ -205,9 +205,11 @@ NAMED["u_changes.cfg_events_i"] = [
 ]
 NAMED["u_cop4.cfg_p_i"] = [f"cop4.p{n}.value" for n in range(6)]  # p0 lowest
 # Blocks that use the struct's members themselves, and settings that glue uses: other tests show their effect.
-READERS = ("u_health", "u_tare", "u_calibrate", "u_classify", "u_display")
+READERS = ("u_health", "u_tare", "u_calibrate", "u_classify")
 OF_GLUE = ["core.scratch.value", "core.hold.value", "link.images.value", "grip.enable.value"]
 OF_GLUE += [f"shear_speed.{name}.value" for name in ("enable", "hold", "hold_cycles", "select")]
+OF_GLUE += [f"display.{name}.value" for name in ("source", "octant", "health")]
+OF_GLUE += [f"display.levels.{name}" for name in ("next", "last")]
 
 
 def below(handle, path=()):
@@ -227,8 +229,8 @@ def consumers(dut):
         names = [name for name in path if name.startswith("u_")]
         if "u_scan_adc" in names and names[-1] == "u_adc_spi":
             continue  # driven by the scan
-        if "u_pins" in names[:-1]:
-            continue  # within msn_pin_display, which holds a setting to its own size
+        if names[-1] == "u_limits" and port._name == "cfg_top_i":
+            continue  # msn_pin_display holds it to the highest level
         end = f"{names[-1]}.{port._name}"
         assert end in NAMED or names[-1] in GROUP_OF, f"{end} is in no table of core/wires.py"
         group = GROUP_OF.get(names[-1])

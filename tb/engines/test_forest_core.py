@@ -7,6 +7,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from sklearn.ensemble import RandomForestClassifier
 
 import bench
 from forest.trees import forest, rows
@@ -124,6 +125,51 @@ def test_rows_of_a_host_need_no_sensor():
         assert loader.decide(core, model, x).votes.tolist() == model.process(x).votes.tolist()
 
 
+class Sizes(dict):
+    """A core's registers of sizes, as a host reads them."""
+
+    registers, features = True, ("link", "forest")
+
+
+def test_a_forest_of_scikit_learn_has_a_column_per_feature_where_nothing_is_missing(tmp_path):
+    """scikit-learn writes into every forest where missing values go. Frames have none; a host's core has the
+    columns for them, or, with as many features as the forest, refuses them."""
+    x = np.random.default_rng(1).integers(-99, 99, (300, 18))
+    trained = RandomForestClassifier(5, random_state=1).fit(x, x[:, 0] > x[:, 5])
+    given = Forest(trained, integer=True)
+    given.to_file(tmp_path / "F.json")
+    wide = len({(f, m) for each in given.model.trees for f, m in zip(each.feature, each.missing_left)})
+    assert wide > 18
+    of = lambda **more: {"file": str(tmp_path / "F.json")} | more
+    frames = config.read("a", FINGER | {"forest": of(window=2)})
+    alone = {"about": "of a test", "clock": {"mhz": 12.0}, "sensor": {"kind": "none"}}
+    hosts = [
+        config.read("a", alone | {"forest": of(source="host", **more)}) for more in ({}, {"features": 18})
+    ]
+    for build, features in ((frames, 18), (hosts[0], wide), (hosts[1], 18)):
+        size = build.parameters
+        assert size["ForestFeatures"] == features
+        named = {"size": ("features", "bits", "engines", "frames"), "room": ("classes", "trees")}
+        of = [(group, key) for group, keys in named.items() for key in keys]
+        core = Sizes({f"forest.{group}.{key}": size[f"Forest{key.capitalize()}"] for group, key in of})
+        core |= {"forest.leaves": 0, "forest.nodes": size["ForestNodes"]}
+        _, inputs = loader.columns(core, given.model)
+        twin = twins.classify_of(build)
+        for row in loader.words.loads(loader.check(core, given.model), 1):
+            twin.load(*row)
+        twin.swap()
+        q, _ = given.quantise(x)
+        votes = [found.votes.tolist() for found in twin.rows(inputs.of(q, None))]
+        assert votes == given.process(x).votes.tolist()
+        holes = np.where(np.arange(18) == 7, np.nan, x[:1])
+        if features == wide:
+            found = next(twin.rows(inputs.of(*given.quantise(holes)))).votes
+            assert found.tolist() == given.process(holes).votes[0].tolist()
+        else:
+            with pytest.raises(ValueError, match="row 0: feature 7 is NaN"):
+                inputs.of(*given.quantise(holes))
+
+
 def test_a_core_that_cannot_be_loaded_says_why():
     given = forest(random.Random(1), 6, 2, 1)
     for features, says in (
@@ -144,7 +190,9 @@ def test_examples_are_builds():
         >= {"Forest": 1, "ForestFeatures": 54, "ForestNodes": 49_152, "Grip": 1}.items()
     )
     assert build.settings.items() >= {"forest.slip": 2, "forest.grip": 1}.items()
-    with pytest.raises(ValueError, match=r"\[forest\]: 49152 nodes .* 2 banks need .* ulx3s 85F has 204"):
+    outside = config.load(ROOT / "examples/forest/sdram_ulx3s.toml").parameters
+    assert outside.items() >= {"ForestSdram": 1, "ForestNodes": 1 << 21, "ClkKhz": 100_000}.items()
+    with pytest.raises(ValueError, match=r"\[forest\]: 49152 nodes .* 2 banks need .* ulx3s 85F has 207"):
         config.read("rope", rope | {"forest": rope["forest"] | {"banks": 2}})
 
 

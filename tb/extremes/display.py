@@ -51,7 +51,7 @@ def pin_display_(see):
         see.near(sum(level > 0 for level in got), min(most, 3) if on else 0, (top, most, duty))
         see.near(max(got), on if most else 0, (top, most, duty))
     for outside in (
-        {"pins": 4097},
+        {"pins": 4096},
         {"amplitude_bits": 0},
         {"max_hz": 23_438},
         {"ticks": 5716},

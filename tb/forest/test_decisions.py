@@ -221,6 +221,32 @@ def test_what_no_forest_takes_is_refused():
     with pytest.raises(ValueError, match="in this order"):
         forest.predict(table(x, ["b", "a", "c", "d"]))
     assert np.array_equal(forest.predict(table(x, ["a", "b", "c", "d"])), theirs)
+    named.feature_names_in_ = np.array(["x0", "y", "x2", "x3"], object)  # names as of none, but one
+    with pytest.raises(ValueError, match="in this order"):
+        meissner.Forest(named).predict(table(x, ["x0", "x2", "y", "x3"]))
+
+
+class Sparse:
+    """A matrix with few entries, as scipy's."""
+
+    def __init__(self, x):
+        self.x = x
+
+    def toarray(self):
+        return self.x
+
+
+@pytest.mark.parametrize(
+    "kind", [list, np.asfortranarray, Sparse, lambda x: x.astype(object), lambda x: x.astype(">f8")]
+)
+def test_rows_of_every_kind_are_the_same_rows(kind):
+    """Objects: a table of pandas whose columns have several kinds."""
+    x, y = IRIS
+    model = DecisionTreeClassifier(random_state=1).fit(x, y)
+    assert np.array_equal(meissner.Forest(model).predict(kind(x)), model.predict(x))
+    for bad in ("x", {}, 2**2000, "2"):
+        with pytest.raises(ValueError, match="must be numbers"):
+            meissner.Forest(model).predict([[1, 2, bad, 4]])
 
 
 def test_pieces_give_what_the_whole_gives(monkeypatch):

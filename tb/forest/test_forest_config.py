@@ -8,10 +8,11 @@ import pytest
 
 from forest.trees import forest
 from meissner.builds import board_files, boards, config
-from meissner.builds.features.forest import LARGEST, bits_of
+from meissner.builds.features.forest import LARGEST
 from meissner.builds.pins import assign as pins_of
 from meissner.builds.pins import description as pins_description
 from meissner.forest import file
+from meissner.forest.cost import bits_of
 
 FINGER = {
     "about": "of a test",
@@ -111,6 +112,15 @@ def test_sizes_of_a_file(tmp_path):
         of(FINGER, file=str(path))
 
 
+def test_the_greatest_rate_leaves_time_for_a_decision(tmp_path):
+    file.write(tmp_path / "F.json", forest(random.Random(4), 54, 3, 900, leaves=5, span=100, depth=3))
+    rate = lambda hz: FINGER | {"adc": FINGER["adc"] | {"rate_hz": hz}, "link": {"baud": 12_500_000}}
+    found = of(rate("max"), file=str(tmp_path / "F.json"))
+    assert found.period_clocks > 2 * found.least_period
+    with pytest.raises(ValueError, match=r"too fast for \[forest\]: a decision takes up to"):
+        of(rate(5e7 / (found.period_clocks - 1)), file=str(tmp_path / "F.json"))
+
+
 def test_bits_hold_every_threshold_and_what_is_beyond():
     """t in b bits: -2^(b-1) <= t <= 2^(b-1) - 2, so that a value that is held goes the same way."""
     for bits in (2, 5, 22):
@@ -140,7 +150,7 @@ def test_bits_hold_every_threshold_and_what_is_beyond():
         (
             HOST,
             {"nodes": 1 << 20},
-            rf"1048576 nodes for each of 1 engines in 2 banks need \d+ .* the {LARGEST[0]} has 204",
+            rf"1048576 nodes for each of 1 engines in 2 banks need \d+ .* the {LARGEST[0]} has 207",
         ),
     ],
 )
@@ -163,7 +173,8 @@ def test_what_goes_with_it():
 
 
 def test_block_rams_of_boards(tmp_path):
-    """A node of 2 + 3 + 22 + 32 bits: 4 iCE40 RAMs of 256 · 16 for 256 nodes; 26 of a UP5K's 30 are for the
+    """1280 nodes of 2 + 3 + 22 + 32 bits: 18.4 times the 256 · 16 bits of an iCE40's RAM; roots of 11 bits:
+    0.7 for each 256. Two decisions' rows take 2, places and queues 1 + 1 + 2; 29 of a UP5K's 30 are for the
     forest. The largest device is the board's with the most."""
     most = max(
         (count, f"{board.name} {name}".strip(), board.cells)
@@ -173,15 +184,15 @@ def test_block_rams_of_boards(tmp_path):
     assert (most[1], most[2], most[0]) == LARGEST
     text = (
         "about = 'a'\nclock = {mhz = 12.0}\nsensor = {kind = 'none'}\nlink = {baud = 1000000}\n"
-        "forest = {source = 'host', features = 5, banks = 1, trees = 200, nodes = %d}\n"
+        "forest = {source = 'host', features = 5, banks = 1, nodes = 1280, trees = %d}\n"
     )
     path, board = tmp_path / "mine.toml", boards.BOARDS["icebreaker"]
-    path.write_text(text % 1536)  # 24 for the nodes, 1 for the roots
+    path.write_text(text % 1280)  # 19 + 4 + 6
     plan = board.plan(str(path))
     assert {port.role for port in plan.ports} >= {"clock", "rx", "tx"} and "miso" not in plan.roles
-    path.write_text(text % 1664)
+    path.write_text(text % 1281)
     with pytest.raises(
-        ValueError, match=r"1664 nodes .* need 29 block RAMs but the icebreaker has 26 for them: .*--fit"
+        ValueError, match=r"1280 nodes .* need 30 block RAMs but the icebreaker has 29 for them: .*--fit"
     ):
         board.plan(str(path))
 

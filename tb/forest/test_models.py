@@ -4,15 +4,18 @@ and the command."""
 import io
 import json
 import zipfile
+from itertools import pairwise
 
 import joblib
 import numpy as np
+import onnx
 import onnxruntime
 import pytest
 import skl2onnx
 import skops.io
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from sklearn.calibration import CalibratedClassifierCV
 from sklearn.datasets import load_wine
 from sklearn.ensemble import (
     AdaBoostClassifier,
@@ -21,6 +24,7 @@ from sklearn.ensemble import (
     HistGradientBoostingClassifier,
     RandomForestClassifier,
     RandomForestRegressor,
+    VotingClassifier,
 )
 from sklearn.linear_model import LogisticRegression
 from sklearn.pipeline import make_pipeline
@@ -175,7 +179,7 @@ def no_array(schema, arrays, tree):
         (fewer, "is not as skops writes it"),
         (wider, "is not as skops writes it"),
         (other_type, "is not as skops writes it"),
-        (outputs, "is not as skops writes it"),
+        (outputs, "tree 0 of the file has 1000000 outputs; the core decides one class"),
         (another_maker, "is not as skops writes it"),
         (no_array, "is not as skops writes it"),
         (features, "tree 0: it has 40 features, the model 13"),
@@ -275,6 +279,18 @@ def test_onnx_files_that_are_no_forest_are_refused(tmp_path, name, field, index,
         meissner.Forest.from_file(tmp_path / "m.onnx")
 
 
+def test_an_onnx_file_whose_features_come_from_nowhere_is_refused(tmp_path):
+    """From no input of the file, and from a node that gets its own output."""
+    for names in (["none"], ["here", "here"], ["one", "two", "one"]):
+        made = onnx_of(tmp_path / "m.onnx", KINDS[2].fit(X, Y))
+        next(node for node in made.graph.node if node.op_type == "TreeEnsembleClassifier").input[0] = names[0]
+        for output, source in pairwise(names):
+            made.graph.node.append(onnx.helper.make_node("Identity", [source], [output]))
+        (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+        with pytest.raises(ValueError, match=f"its forest gets '{names[-1]}', which is no input"):
+            meissner.Forest.from_file(tmp_path / "m.onnx")
+
+
 def test_an_onnx_file_may_leave_its_number_of_features_open_but_not_state_any(tmp_path):
     model = KINDS[2].fit(X, Y)
     made = onnx_of(tmp_path / "m.onnx", model)
@@ -288,6 +304,20 @@ def test_an_onnx_file_may_leave_its_number_of_features_open_but_not_state_any(tm
     assert meissner.Forest.from_file(tmp_path / "m.onnx").n_features_in_ == model.tree_.feature.max() + 1
 
 
+def test_onnx_labels_that_are_none_are_refused(tmp_path):
+    for strings, ints, says in (
+        ([], [1, 5, 1], "a label twice"),
+        ([b"a", b"b", b"c"], [1, 5, 7], "two kinds"),
+    ):
+        made = onnx_of(tmp_path / "m.onnx", KINDS[2].fit(X, Y))
+        attribute(made, "classlabels_int64s").ints[:] = ints
+        node = next(node for node in made.graph.node if node.op_type == "TreeEnsembleClassifier")
+        node.attribute.append(onnx.helper.make_attribute("classlabels_strings", strings, attr_type=8))
+        (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+        with pytest.raises(ValueError, match=says):
+            meissner.Forest.from_file(tmp_path / "m.onnx")
+
+
 def test_other_models_are_refused(tmp_path):
     two = Y > 0
     for model, says in (
@@ -299,12 +329,20 @@ def test_other_models_are_refused(tmp_path):
         (AdaBoostClassifier(n_estimators=2), "boosted"),
         (RandomForestRegressor(2), "a RandomForestRegressor is no forest that votes"),
         (LogisticRegression(), "a LogisticRegression is no forest"),
+        (VotingClassifier([("a", RandomForestClassifier(2))]), "a VotingClassifier is no forest"),
+        (CalibratedClassifierCV(RandomForestClassifier(2)), "a CalibratedClassifierCV is no forest"),
         (make_pipeline(StandardScaler(), DecisionTreeClassifier()), "a Pipeline is no forest"),
     ):
         joblib.dump(model.fit(X[:, :2], two), tmp_path / "m.joblib")
         for make in (meissner.Forest, lambda _: meissner.Forest.from_file(tmp_path / "m.joblib", trust=True)):
             with pytest.raises(ValueError, match=says):
                 make(model)
+        skops.io.dump(model, tmp_path / "m.skops")  # says what it is before its trees are looked at
+        with pytest.raises(ValueError, match=says):
+            meissner.Forest.from_file(tmp_path / "m.skops")
+    skops.io.dump(DecisionTreeClassifier().fit(X, np.c_[Y, two]), tmp_path / "m.skops")
+    with pytest.raises(ValueError, match="2 outputs; the core decides one class"):
+        meissner.Forest.from_file(tmp_path / "m.skops")
     for model, says in (
         (RandomForestRegressor(2), "TreeEnsembleRegressor decides no class; boosted"),
         (GradientBoostingClassifier(n_estimators=2), "boosted"),

@@ -182,6 +182,42 @@ def test_the_netlist_decides_the_same(tmp_path, capsys):
     assert np.load(tmp_path / "o.npz")["votes"][:, 1].tolist() == [votes for *_, votes in ROWS]
 
 
+FOURS = [[5.5, 1, 2, 3], [0.5, 1, 2, 3]]
+HEADERS = {  # names of the features, the table: its rows
+    "abcd | 5.5,1,2,3;0.5,1,2,3": FOURS,
+    "abcd | d,c,b,a;3,2,1,5.5;3,2,1,.5": FOURS,
+    " a,#b,c,d | # a ,b, c,d;5.5,1,2,3;0.5,1,2,3": FOURS,  # spaces are no part of a name
+    "x0,x1,x2,x3 | 0,1,2,3;5.5,1,2,3;0.5,1,2,3": FOURS,  # as pandas counts columns without names
+    "x0,x1,x2,x3 | 0,1,2,4;5.5,1,2,3": [[0, 1, 2, 4], FOURS[0]],
+    "x0,x1 | 0,1;1,2": [[0, 1], [1, 2]],  # two columns: rows
+    "x0,x1 | ,;1,2": [[np.nan, np.nan], [1, 2]],
+    "3,1,2,0 | 3,1,2,0;5.5,1,2,3;0.5,1,2,3": FOURS,
+    "3,1 | 1,3;7,8": [[8, 7]],
+    "abcd | 0,1,2,3;5.5,1,2,3": "the feature a is missing",
+    "x0,x1 | NA,1;1,2": "row 0: x0 = 'NA' is not a number",
+    "x0,x1 | 1,2;NA,1": "row 1: x0 = 'NA' is not a number",
+    "a,b,a | a,b,c;1,2,3": "two features have the name a",
+}
+
+
+@pytest.mark.parametrize("case", HEADERS)
+def test_what_is_a_header_and_what_a_row(case, tmp_path):
+    names, _, table = case.partition(" | ")
+    names = [*names] if names == "abcd" else names.split(",")
+    (tmp_path / "x.csv").write_text(table.replace(";", "\n"))
+    if isinstance(HEADERS[case], str):
+        with pytest.raises(ValueError, match=HEADERS[case]):
+            rows.read(tmp_path / "x.csv", names)
+    else:
+        assert np.array_equal(rows.read(tmp_path / "x.csv", names).x, HEADERS[case], equal_nan=True)
+
+
+def test_records_that_are_no_numbers_are_refused(tmp_path):
+    np.save(tmp_path / "x.npy", np.array([(1.0, 5)], [("u", "f8"), ("v", "M8[s]")]))
+    with pytest.raises(ValueError, match=r"row 0: v = .* is not a number"):
+        rows.read(tmp_path / "x.npy", ["u", "v"])
+
+
 REFUSED = {
     "u,w\n1,2\n": "the feature v is missing",
     "v,w\n1,2\n": "the feature u is missing",

@@ -10,7 +10,7 @@ import pytest
 from cocotb.clock import Clock
 
 import bench
-from harness.refusals import refusals
+from harness.refusals import refusals, refused
 from meissner.builds.pins import description
 from meissner.twins.forest import sdram as twin
 from parts import sdram
@@ -279,6 +279,19 @@ def test_pins_of_the_ulx3s():
     assert {name: len(lines) for name, lines in found.items() if isinstance(lines, list)} == wide
     assert {*found} == {"clk", "cke", "cs_n", "ras_n", "cas_n", "we_n", *wide}
     assert (found["we_n"], found["a"][10], found["dq"][15], found["dqm"][1]) == ("T20", "N19", "J17", "E20")
+
+
+def test_model_by_hand():
+    model = twin.Sdram(queue=4)
+    model.load((1 << 22) - 1, 0x4444_3333_2222_1111)
+    model.load(0, 7)
+    assert model.read([0, (1 << 22) - 1, 0]).tolist() == [7, 0x4444_3333_2222_1111, 7]
+    assert twin.beats(2 << 20 | 5 << 7 | 3, 0x4444_3333_2222_1111) == [
+        (2, 5, 12 + beat, 0x1111 * (beat + 1)) for beat in range(4)
+    ]
+    refused(twin.Sdram, {"queue": 1}, {"queue": 12})
+    refused(twin.Sdram().load, {"address": 1 << 22}, {"address": -1}, {"word": 1 << 64}, address=0, word=0)
+    assert "Depth = 12" in bench.refuses("sdram", {"Queue": 12}, of="fifo")
 
 
 EVIDENCE = {

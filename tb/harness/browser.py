@@ -6,11 +6,13 @@ import base64
 import fcntl
 import json
 import os
+import re
 import shutil
 import subprocess
 import tempfile
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 missing = "" if CHROMIUM else "there is no Chromium on this machine (apt install chromium)"
@@ -116,6 +118,19 @@ class Browser:
         page.call("Page.navigate", {"url": url})
         page.until(f"location.href === {json.dumps(url)} && document.readyState === 'complete'")
         return page
+
+    def resident_mb(self):
+        """Memory of all its processes, what they share counted once."""
+
+        def own(pid):
+            root = Path(f"/proc/{pid}")
+            with suppress(OSError):  # it may have ended
+                [line] = re.findall(r"^Pss: +(\d+) kB", (root / "smaps_rollup").read_text(), re.MULTILINE)
+                children = " ".join(each.read_text() for each in root.glob("task/*/children"))
+                return int(line) + sum(map(own, children.split()))
+            return 0
+
+        return own(self._process.pid) * 1024 / 1e6
 
     def close(self):
         self._process.terminate()

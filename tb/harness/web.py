@@ -17,10 +17,11 @@ from meissner import scenes
 from meissner.builds.units import Units, of_scene
 from meissner.host import Core, packets, web
 from meissner.host.line import Pipe
-from meissner.host.simulated import SimulatedCore, blocks_of, settings_of, slip_source
+from meissner.host.sensors import blocks_of, settings_of, slip_source
+from meissner.host.simulated import SimulatedCore
 from meissner.host.web.server import serving
 
-TYPES = {"f8": "<f8", "f4": "<f4", "u2": "<u2"}
+TYPES = {"f8": "<f8", "f4": "<f4", "u2": "<u2", "u1": "u1"}
 
 
 @contextlib.contextmanager

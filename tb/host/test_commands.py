@@ -225,15 +225,17 @@ def test_log_and_replay(meissner, port):
 
 
 def stopped(command, name, which=signal.SIGINT):
-    """(exit code, stdout, stderr) of a command that logs and gets a signal once it has kept two images."""
+    """(exit code, stdout, stderr) of a command that logs and gets a signal once it has kept two images and a
+    change of a state."""
     spool = Path(f"{name}.part.{'rows' if str(name).endswith('.npz') else 'mcap'}")
     with command as child:
-        kept = 0
-        while kept < 2:
+        kept = False
+        while not kept:
             assert child.poll() is None, child.communicate()
             time.sleep(0.02)
             with contextlib.suppress(ValueError):  # it has not begun
-                kept = len(log.read(spool)["image"])
+                found = log.read(spool)
+                kept = len(found["image"]) >= 2 and len(found["change_time"]) >= 1
         child.send_signal(which)
         out, err = child.communicate()
     return child.returncode, out, err
@@ -370,6 +372,7 @@ def test_view_of_pins():
 
     state = {"size.rows": 2, "size.columns": 3, "size.bits": 2, "source": 0, "floor": 50, "step": 100}
     state["state"] = 1 | 1 << 2 | 5 << 8  # running, limited, five pins
+    state["increment"] = round(230 * 2**40 / 25e6)  # of a drive of 230 Hz
 
     class Core(SimpleNamespace):
         def __getitem__(self, name):
@@ -380,15 +383,17 @@ def test_view_of_pins():
 
     written = []
     counts = SimpleNamespace(restarts=0, packets=0, lost=0, damaged=0, images_lost=0, gaps=0, gap_s=0.0)
-    core = Core(counts=counts, registers=True, features=["display"], line=None, ended=False)
+    counts.retries = 0
+    core = Core(counts=counts, retries=3, registers=True, features=["display"], line=None, ended=False)
+    core.units = SimpleNamespace(clk_khz=25_000, rows=2)
     shown = view.View(core)
-    assert "; 5 pins on, limited; " in shown.line()
+    assert "; 5 pins on, 230 Hz, limited; " in shown.line()
     taxels = np.array([[49, 50, 149], [150, 250, 9999]], np.uint16)  # levels 0 1 1, 2 3 3
     shown.add(packets.Image(5, None, 1, taxels, None))
     assert shown.pins.picture(shown.image) == ["  ░░░░", "▓▓████"]
     console = Console(width=100, record=True, file=open(os.devnull, "w"))  # noqa: SIM115
     console.print(shown.picture())
-    assert "display, 5 pins on, limited" in console.export_text()
+    assert "display, 5 pins on, 230 Hz, limited" in console.export_text()
     state |= {"state": 2, "source": 1}
     shown.tick(1e9)
     host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
@@ -396,6 +401,7 @@ def test_view_of_pins():
     for wrong, what in (
         ([[1, 2], [3, 4]], "fit the display: it has 2 x 3"),
         ([[0, 0, 256]] * 2, "level = 256"),
+        ([[0, 0, 1.5]] * 2, "levels must be whole numbers"),
     ):
         with pytest.raises(ValueError, match=what):
             host.Core.show(core, wrong)
@@ -416,7 +422,7 @@ def test_view_of_everything():
     shown.add(packets.CopFrame(5, None, 0.0, 0.0, 3, False, None, None, None))
     assert shown.line().startswith("not pressed, load 3; 2 slip events, 1 in contact, 1 slipping;")
     change = packets.StateChange(7, 0.007, 65535, 1, 3, None, None, 2, True)
-    assert shown.add(change) == "0.0070 s: channel load, incipient to contact, late, peak-to-peak 3"
+    assert shown.add(change) == "0.0070 s: channel load, incipient to contact, late"
     assert shown.add(packets.States(8, None, 0, (0, 2, 1, 3))) is None
     assert "2 slip events, 4 in contact, 2 slipping;" in shown.line()
     assert shown.add(packets.Health(5, None, 12, 5)) == "5 clocks: taxel 12 faults 0b101"

@@ -15,15 +15,8 @@ from meissner import host
 from meissner.builds import units
 from meissner.host import Gap, Image, NoAnswer, Refused, SlipEvent, line, names, packets
 from meissner.host.pty import Pty
-from meissner.host.simulated import (
-    SimulatedCore,
-    array_source,
-    blocks_of,
-    of_scenes,
-    settings_of,
-    slip_source,
-    together,
-)
+from meissner.host.sensors import array_source, blocks_of, settings_of, slip_source, together
+from meissner.host.simulated import SimulatedCore, of_scenes
 from meissner.twins.link import bridge, cobs
 from meissner.twins.link import packet as p
 from meissner.twins.link.uart import UartRx, levels
@@ -506,7 +499,7 @@ def test_a_file_is_read_to_its_end(tmp_path):
         ("pty:/dev/null", "opened"),
         ("file:there_is_none", "opened"),
         ("sim:no_scene", "no_scene"),
-        ("sim:cop_circle", "rubber"),
+        ("sim:capacitive_crosstalk", "nothing to show"),
         ("sim:?speed=0", "speed = 0"),
     ],
 )

@@ -15,7 +15,8 @@ from meissner.engines.rtl_core import CoreOnPins
 from meissner.host import line, names, packets
 from meissner.host.load import load
 from meissner.host.pty import Pty
-from meissner.host.simulated import SimulatedCore, statistics_source, together
+from meissner.host.sensors import statistics_source, together
+from meissner.host.simulated import SimulatedCore
 from meissner.twins.link import bridge
 
 ARRAY = """about = "an array to calibrate"

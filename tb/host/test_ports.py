@@ -8,7 +8,9 @@ import pytest
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
+import synth
 from meissner import cli
+from meissner.builds import boards
 from meissner.builds.toolchain import ROOT
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
@@ -59,6 +61,41 @@ def lines(capsys, *arguments):
     said = capsys.readouterr()
     assert said.err == ""
     return said.out.splitlines()
+
+
+class Silent:
+    """An empty board."""
+
+    def read(self, n):
+        return b""
+
+    def write(self, data):
+        pass
+
+
+CHIPS = {  # of the ports of a board that was plugged in: chip, place, what it calls itself; the last is asked
+    "icebreaker": [
+        ("0403:6010", "1-2:1.0", "iCEBreaker V1.0e"),
+        ("0403:6010", "1-2:1.1", "iCEBreaker V1.0e"),
+    ],
+    "ulx3s": [("0403:6015", "1-2", "ULX3S FPGA 25K v3.0.8")],
+    "tangnano20k": [("0403:6010", "1-2:1.0", "USB Debugger"), ("0403:6010", "1-2:1.1", "USB Debugger")],
+    "orangecrab": [("0403:6001", "1-2", "FT232R USB UART")],
+}
+
+
+@pytest.mark.parametrize("board", CHIPS)
+def test_a_start_page_shows_what_is_printed(board, capsys, monkeypatch):
+    """By `ports` for an empty board, and by `make synth` at its end."""
+    page = (ROOT / f"docs/start/{board}.md").read_text("utf-8")
+    with Pty(Silent()) as pty:
+        ports = [f"/dev/ttyUSB{k}" for k in range(len(CHIPS[board]))]
+        found = [info(port, *about) for port, about in zip([*ports[:-1], pty.path], CHIPS[board])]
+        monkeypatch.setattr(list_ports, "comports", lambda: found)
+        said = "\n".join(sorted(line.replace(pty.path, ports[-1]) for line in lines(capsys)))
+    assert f"```\n{said}\n```" in page, said
+    steps = "\n".join(synth.after(boards.BOARDS[board], "slip1", f"{board}-slip1"))
+    assert f"```\nwhat next:\n{steps}\n```" in page, steps
 
 
 def test_a_core_is_described_and_only_read(capsys):

@@ -18,9 +18,9 @@ import pytest
 
 from harness.command import started
 from harness.web import TURN_S, Stream, ask, decoded, of_pipe, rows, shown, slipping
-from meissner import cli
+from meissner import cli, scenes
 from meissner.builds.units import Units
-from meissner.host import Core, log, names, packets, simulated, table, web
+from meissner.host import Core, log, names, packets, sensors, table, web
 from meissner.host.line import open_line
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
@@ -82,6 +82,24 @@ def test_every_packet_is_sent_as_it_is():
     assert t == 0.010 and now["health"] == {"4": 1} and now["statistics"] == {"images dropped": 12}
     assert {channel: state for channel, (state, *_) in now["states"].items()} == {"3": 0, "4": 1, "5": 4}
     assert str(decoded(viewer.take(0))[0]) == str(messages)
+
+
+def test_a_viewer_learns_since_when_a_register_has_its_value():
+    """And from a change what it was before, so that what came before the change can be drawn."""
+    hub = web.hub.Hub({}, Units())
+    hub.remember("register", "slip.threshold", 40)
+    hub.add(10**18, packets.Statistics(0, 0.0, 0, 0))
+    hub.send()
+    hub.add(10**18 + 3 * 10**9, packets.Statistics(0, 3.0, 0, 0))
+    for value in (60, 60, 50):
+        hub.remember("register", "slip.threshold", value)
+    hub.send()
+    hello, viewer = hub.join()
+    [(_, head)], _ = decoded(hello)
+    assert head["now"]["register"] == {"slip.threshold": 50} and head["since"] == {"slip.threshold": 3}
+    assert head["first"] == 0
+    found = [head for _, head in decoded(viewer.take(0))[0] if head["kind"] == "register"]
+    assert [(one["value"], one["before"]) for one in found] == [(40, None), (60, 40), (50, 60)]
 
 
 def test_what_is_kept_is_bounded(monkeypatch):
@@ -281,7 +299,7 @@ def test_a_trace_is_what_the_windows_saw():
     """Least and greatest sample and greatest peak-to-peak of spans, computed by plain loops."""
     rng = np.random.default_rng(5)
     codes, p2p = rng.integers(0, 4096, (17, 128)), rng.integers(0, 8192, (17, 64))
-    trace = simulated.traced(25_000, 10_000.0, 20_000, codes, p2p)
+    trace = sensors.traced(25_000, 10_000.0, 20_000, codes, p2p)
     assert (trace.time, trace.time_s, trace.first) == (50_000_000, 2.0, 0)
     assert trace.low.shape == (16, 4) and trace.step_s == 32 / 10_000  # 64 details, halved to 500 or fewer
     for channel in range(16):
@@ -446,11 +464,19 @@ def test_the_command_shows_a_page_until_it_is_stopped(kind, tmp_path):
 def test_what_cannot_be_shown_is_said(capsys, tmp_path):
     cli.main(["log", "sim:acrylic_slip", "--seconds", "0.1", "--out", str(tmp_path / "log.npz")])
     capsys.readouterr()
+    (tmp_path / "scene.toml").write_text(scenes.source("cop_load"))
+    (tmp_path / "raw").write_bytes(b"\0")
     for given, words in (
-        (("run", "cop_circle", "--web"), "cop_circle has neither"),
+        (("run", "capacitive_crosstalk", "--web"), "capacitive_crosstalk has nothing to show"),
         (("replay", tmp_path / "log.npz"), "--web"),
         (("replay", tmp_path / "no.npz", "--web"), "no.npz"),
         (("live", "sim:no", "--web"), "'no'"),
+        (("live", "fingertip", "--web"), "core:fingertip simulates it"),
+        (("live", "acrylic_slip", "--web"), "sim:acrylic_slip plays"),
+        (("live", "mine.toml"), "--config mine.toml"),
+        (("live", tmp_path / "log.npz"), "meissner replay"),
+        (("live", tmp_path / "scene.toml"), "it is a scene, which sim:"),
+        (("live", tmp_path / "raw"), "file:"),
     ):
         with pytest.raises(SystemExit) as end:
             cli.main([*map(str, given)])

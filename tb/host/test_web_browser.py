@@ -13,7 +13,7 @@ from harness import browser as chromium
 from harness.web import TURN_S, Fed, of_pipe, resident_mb, shown, slipping
 from meissner.builds.toolchain import ROOT
 from meissner.builds.units import Units
-from meissner.host import Core, packets, web
+from meissner.host import Core, packets, sensors, web
 from meissner.host.line import open_line
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
@@ -188,6 +188,100 @@ def test_it_survives_a_restart_of_the_server(browser):
     assert "started again" in page.do("document.getElementById('notice').textContent")
 
 
+# Whether a column of a canvas at a time of the page, 0 .. 1 of its room, has a colour of the page.
+COLOURED = """((selector, left, wide, share, name) => {
+const c = document.querySelector(selector), x = Math.round(left + share * wide);
+const d = c.getContext('2d').getImageData(x, 0, 1, c.height).data;
+const text = getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
+const want = [1, 3, 5].map(k => parseInt(text.slice(k, k + 2), 16));
+const same = k => d[k + 3] > 200 && want.every((v, j) => Math.abs(v - d[k + j]) < 12);
+return [...Array(c.height).keys()].some(row => same(4 * row)); })(%s)"""
+
+
+def test_a_late_viewer_sees_the_past_as_it_was(browser):
+    """A threshold and a state that changed before it came hold from then on; what they were before holds only
+    as far back as this viewer knows, 10 s, and before that nothing is drawn."""
+    hub = web.hub.Hub(web.sources.about("late", Units(), [], []), Units())
+    begin = 10**18
+
+    def at(seconds, item=None, **register):
+        stamp = begin + round(seconds * 1e9)
+        hub.add(stamp, item or packets.Statistics(0, seconds, 0, 0))
+        for name, value in register.items():
+            hub.remember("register", f"slip.{name}", value)
+        hub.send()
+
+    def change(channel, before, state):
+        return packets.StateChange(0, None, channel, state, 9, None, None, before)
+
+    at(0, threshold=40, gross_threshold=500)
+    at(0.5, change(0, 0, 1))
+    at(5, change(3, 0, 1))
+    at(8, gross_threshold=300)
+    at(20)  # the first that a viewer gets who comes at 30 s
+    at(20.5, threshold=60)
+    at(21, packets.SlipEvent(0, None, 0, 2, 55, None))
+    at(22, change(0, 2, 1))
+    at(25, threshold=90)
+    at(30)
+    with serving(hub, lambda name, value: value, 0) as server:
+        page = browser.open(url(server.server_address))
+        page.until("meissner.newest === 30 && meissner.states.of.size === 2")
+        known = {("threshold", 19.9): None, ("threshold", 20): 40, ("threshold", 20.49): 40,
+                 ("threshold", 20.5): 60, ("threshold", 24.9): 60, ("threshold", 25): 90,
+                 ("gross_threshold", 7.9): None, ("gross_threshold", 8): 300}  # fmt: skip
+        for (name, t), value in known.items():
+            assert page.do(f"meissner.registers.at('slip.{name}', {t}) ?? null") == value, (name, t)
+        known = {(0, 19.9): None, (0, 20): 1, (0, 20.9): 1, (0, 21): 2, (0, 21.9): 2, (0, 22): 1,
+                 (3, 4.9): None, (3, 5): 1}  # fmt: skip
+        for (channel, t), state in known.items():
+            assert page.do(f"meissner.states.at({channel}, {t})?.state ?? null") == state, (channel, t)
+        # From 16 s to 28 s, in twelfths.
+        page.do("Object.assign(meissner.view, {paused: true, span: 12, to: 28})")
+        page.until("document.getElementById('at').textContent === '16.00 – 28.00 s'")
+        time.sleep(0.2)
+        bands = "document.querySelector('#states canvas').width"
+        wide = page.do(bands)
+        for t, name, drawn in (
+            (21.5, "incipient", True),
+            (20.2, "incipient", False),
+            (22.5, "incipient", False),
+        ):
+            where = f"'#states canvas', 48, {wide - 48}, {(t - 16) / 12}, '{name}'"
+            assert page.do(COLOURED % where) == drawn, t
+        chart = "#signal > div > div:nth-of-type(2)"
+        left, wide = (
+            page.do(f"document.querySelector('{chart} .u-over').{side}")
+            for side in ("offsetLeft", "offsetWidth")
+        )
+        columns = lambda ends, name: sum(
+            page.do(COLOURED % f"'{chart} canvas', {left}, {wide}, {(t - 16) / 12}, '{name}'")
+            for t in np.linspace(*ends, 24)
+        )
+        assert columns((16.2, 19.8), "incipient") == 0 < columns((20.1, 27.8), "incipient")
+        assert columns((16.2, 20.8), "second") == 0 < columns((21.1, 21.9), "second")  # peaks of 55, then 9
+
+
+def test_an_empty_page_says_what_it_waits_for(browser):
+    hub = web.hub.Hub(web.sources.about("empty", Units(), [], []), Units())
+    empty = "document.getElementById('empty')"
+    with serving(hub, lambda name, value: value, 0) as server:
+        page = browser.open(url(server.server_address))
+        for status, words in (
+            ({}, "first packet"),
+            ({"counts": {"packets": 1}}, "1 packet received"),
+            ({"counts": {"packets": 2}}, "2 packets received"),
+            ({"down": True}, "can be opened"),
+            ({"ended": True}, "has ended"),
+        ):
+            hub.event("status", **({"counts": {}, "down": False, "ended": False, "viewers": 1} | status))
+            hub.send()
+            page.until(f"!{empty}.hidden && {empty}.textContent.includes('{words}')")
+        hub.add(10**18, packets.ClassChange(0, None, 3, None, 65535))
+        hub.send()
+        page.until(f"{empty}.hidden && {SHOWN % 'forest'}")
+
+
 @pytest.mark.long
 def test_64x64_at_100_frames_a_second_without_growth(browser):
     """Three minutes: every frame arrives, and in the second half neither process grows. What may grow before:
@@ -230,7 +324,7 @@ def test_an_array_with_faults_and_a_grip(browser, width, scheme):
             hub.add(begin + 3 * 10**6, packets.StateChange(0, None, 7, 1, 9, None, None))
             hub.add(begin + 4 * 10**6, packets.SlipEvent(0, None, 7, 2, 70, None))
             hub.add(begin + 5 * 10**6, packets.ClassChange(0, None, 3, 1, 131_070))
-            hub.event("Pins", levels=np.arange(6, dtype=np.uint8).reshape(2, 3), most=5)
+            hub.add(begin + 6 * 10**6, sensors.Pins(0, None, np.arange(6, dtype=np.uint8).reshape(2, 3), 5))
 
         source.hub.ask(more)
         for panel in (

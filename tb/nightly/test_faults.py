@@ -80,6 +80,12 @@ def test_finds_a_state_that_never_ends(monkeypatch, tmp_path):
     assert any(result.outcome == "silent" for result in faults.inject("hypot", 300, 1))
 
 
+@pytest.mark.long
+def test_finds_a_row_that_does_not_say_that_it_is_wrong(monkeypatch, tmp_path):
+    planted(monkeypatch, tmp_path, "forest", "out_error_o <= errors[oldest];", "out_error_o <= '0;")
+    assert any(result.outcome == "silent" for result in faults.inject("forest", 200, 1))
+
+
 def test_a_run_in_which_nothing_comes_out_is_refused(monkeypatch):
     monkeypatch.setattr(faults, "stated", lambda block, key, other: {"rows": 2} if key == "driver" else other)
     with pytest.raises(RuntimeError, match="too few frames to compare"):

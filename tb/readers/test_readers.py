@@ -88,8 +88,40 @@ EVEN = {  # name: (text, names, unit, samples per second, values by column)
         "ms,x\n" + "".join(f"{int(1.25 * k)},{k % 3}\n" for k in range(200)),
         ("x",), "", 800, [[k % 3 for k in range(200)]],
     ),
+    # Spaces between the columns, and decimal commas; a unit behind a stroke, as DIN 1313 writes it.
+    "spaces_de.txt": (
+        "t/ms U/V W/V\n0,0 1,5 3\n0,5 2,5 2,25\n1,0 ,5 1e-1\n",
+        ("U", "W"), "V", 2000, [[1.5, 2.5, 0.5], [3, 2.25, 0.1]],
+    ),
+    "spaces_only.txt": ("1,5 2\n2,5 3,75\n", ("column 1", "column 2"), "", None, [[1.5, 2.5], [2, 3.75]]),
+    "excel.csv": (
+        "sep=;\r\n7;1,5\r\n5;2,5\r\n;\r\n;\r\n",
+        ("column 1", "column 2"), "", None, [[7, 5], [1.5, 2.5]],
+    ),
+    "pandas.csv": (",0,1\n0,12,13\n1,11,14\n", ("0", "1"), "", None, [[12, 11], [13, 14]]),
+    "keysight.csv": (
+        "x-axis,1\nsecond,Volt\n-1E-3,+2.5E-01\n0.0E+0,-5.0E-01\n", ("1",), "V", 1000, [[0.25, -0.5]],
+    ),
+    "head.csv": ("t (s),a,\n0.0,1\n0.5,3\n", ("a",), "", 2, [[1, 3]]),
+    "dates.csv": ("date;a;b\n01.02.24;5;1,5\n01.02.24;6;2,5\n", ("a", "b"), "", None, [[5, 6], [1.5, 2.5]]),
+    "long.csv": (  # in a moment, too
+        f"# {'sampl' * 40_000}\na{' ' * 90_000}b,c\n1,2\n3,5\n",
+        (f"a{' ' * 90_000}b", "c"), "", None, [[1, 3], [2, 5]],
+    ),
+    "dated.csv": ("when,a\nFri Mar 1 10:00:00,5\nFri Mar 1 10:00:01,6\n", ("a",), "", None, [[5, 6]]),
 }  # fmt: skip
 REFUSED = {
+    "plotter_two.log": ("a:1,2\na:3,5\n", "2 values but the labels a"),
+    "plotter_cut.log": ("7,b:2\na:1,b:2\na:3,b:5\n", "line 1: '7,b:2' has other labels than a, b"),
+    "plotter_end.log": ("a:1,b:2\na:3,b:5\na:4\n", "line 3: 'a:4' has other labels than a, b"),
+    "english.csv": ('t (ms),n\n0,"1,234"\n1,"2,345"\n', "line 2: the comma of '1,234' may be"),
+    "swiss.csv": ("a;b\n1'234.5;2\n1'999.5;3\n", "line 2: a is '1'234.5', no number"),
+    "french.csv": ("a;b\n1 234,5;2\n1 999,5;3\n", "line 2: a is '1 234,5', no number"),
+    "units.csv": ("a,b\n1.5 V,2\n1.6 V,3\n", "line 2: a is '1.5 V', no number"),
+    "remark.csv": ("a,b\n1,2 # of a cell\n2,3 # too\n", "line 2: b is '2 # of a cell', no number"),
+    "hex.csv": ("a,b\n1,0x1F\n2,0x20\n", "line 2: b is '0x1F', no number"),
+    "json.txt": ('{"a":[1,2,3]}\n', "no rows of numbers"),
+    "long.txt": ("samp" * 50_000, "no rows of numbers"),  # in a moment, too
     "two_times.csv": ("Trigger [s],Time [s],Ch0\n0.0,0.0,1200.5\n0.0625,0.0625,1400\n", "2 columns of times"),
     "digital.csv": ("Time [s],Channel 0\n0.0,0\n0.125,1\n0.25,0\n1.0,1\n", "uneven"),
     "missing.csv": ("Time [s],Ch0,Ch1\n0.0,1,\n0.1,2,3\n", "line 2: Ch1 has no value"),
@@ -264,13 +296,25 @@ def test_arrays(tmp_path):
     found = readers.read(tmp_path / "rows.npy")
     assert (found.names, found.unit, found.values.tolist()) == (("Vc",), "V", [[0.0055, 0.0065]])
     scipy.io.savemat(tmp_path / "g.mat", {"note": "nothing"})
-    with pytest.raises(ValueError, match=r"g\.mat has no channel"):
+    with pytest.raises(ValueError, match=r"g\.mat has no channel, only MATLAB 5 with note \(<U1\)"):
         readers.read(tmp_path / "g.mat")
+    assert readers.read(tmp_path / "c.npz", ["right,left"]).values.tolist() == x[::-1].tolist()
+    with pytest.raises(ValueError, match="no column 'middle'; it has left"):
+        readers.read(tmp_path / "c.npz", ["left,middle"])
+    scipy.io.savemat(tmp_path / "h.mat", {"run": {"vc": x[0], "t": np.arange(5) / 8, "gain": 2.0}})
+    found = readers.read(tmp_path / "h.mat")
+    assert (found.names, found.rate_hz) == (("run.vc",), 8) and found.values.tolist() == [x[0].tolist()]
+    np.save(tmp_path / "o.npy", np.array([{}, None]), allow_pickle=True)  # may run code
+    with pytest.raises(ValueError, match=r"o\.npy is not a \.npy file of numbers"):
+        readers.read(tmp_path / "o.npy")
 
 
 def wav(samples, rate, bits=16, kind=1):
     """A WAV file by its published layout: ``samples`` [frames, channels]."""
-    body = np.asarray(samples, f"<i{bits // 8}" if kind == 1 else "<f4").tobytes()
+    if bits == 24:
+        body = b"".join(int(value).to_bytes(3, "little", signed=True) for value in np.ravel(samples))
+    else:
+        body = np.asarray(samples, f"<i{bits // 8}" if kind == 1 else "<f4").tobytes()
     channels = np.shape(samples)[1]
     block = channels * bits // 8
     head = b"fmt " + struct.pack("<IHHIIHH", 16, kind, channels, rate, rate * block, block, bits)
@@ -291,6 +335,13 @@ def test_a_wav_says_neither_volts_nor_codes(tmp_path):
     with pytest.raises(ValueError, match="shares of full scale"):
         found.scaled(volts_per_code=0.1)
     assert readers.read(path, unit="codes").scaled()[0].tolist() == [[1, 300, 5], [-2, -400, 6]]
+    for bits in (24, 32):
+        path.write_bytes(wav([[1, -2], [300, -400], [5, 6]], 44100, bits))
+        found = readers.read(path, unit="codes")
+        assert found.scaled()[0].tolist() == [[1, 300, 5], [-2, -400, 6]]
+        path.write_bytes(path.read_bytes()[: -2 * bits // 8])
+        with pytest.raises(ValueError, match=r"a\.wav is not a complete .* EOF"):
+            readers.read(path, unit="codes")
     path.write_bytes(wav([[0.5], [-0.25]], 8000, 32, 3))
     assert readers.read(path, unit="V").scaled(0.25)[0].tolist() == [[2, -1]]
 
@@ -369,6 +420,20 @@ def test_an_mcap_of_any_robot(tmp_path):
     bag_of(path, {"/touch": (kind, ARRAY, [*rows, (2 * 10**9, cdr_array([1]))])})
     with pytest.raises(ValueError, match="change their size"):
         readers.read(path)
+    bag_of(path, {"/touch": (kind, ARRAY, rows[::-1])})  # as several threads may write it
+    assert readers.read(path).values[0].tolist() == [0, 1, 4, 9]
+    with pytest.raises(ValueError, match="no topic with numbers '/touh'; without --column: MCAP, topic /to"):
+        readers.read(path, ["/touh"])
+    cdr = b"\0\1\0\0"
+    octets = [(5 + k, cdr + struct.pack("<I3B", 3, k, 7, 200 + k)) for k in range(2)]
+    bag_of(path, {"/touch": ("a/msg/Octets", "uint8[] data", octets)})
+    assert readers.read(path).values.tolist() == [[0, 1], [7, 7], [200, 201]]
+    force = [(5 + k, cdr + struct.pack("<I4xdd", k, k / 4, -k)) for k in range(3)]
+    bag_of(path, {"/force": ("a/msg/Force", "uint32 seq\nfloat64 x\nfloat64 y", force)})
+    with pytest.raises(ValueError, match=r"numbers in /force\.x, /force\.y: choose"):
+        readers.read(path)
+    found = readers.read(path, ["/force.y,/force.x"])
+    assert (found.names, found.values.tolist()) == (("/force.y", "/force.x"), [[0, -1, -2], [0, 0.25, 0.5]])
     bag_of(path, {"/note": text})
     with pytest.raises(ValueError, match=r"holds no numbers, only /note \(std_msgs/msg/String\)"):
         readers.read(path)
@@ -442,8 +507,20 @@ def test_hdf5(tmp_path):
     found = readers.read(tmp_path / "a.h5")
     assert (found.names, found.unit, found.rate_hz) == (("run/vc 1", "run/vc 2"), "V", 2000)
     assert found.values == pytest.approx(x.repeat(2, 1) / 1000)
-    (tmp_path / "a.h5").rename(tmp_path / "b.mat")  # MATLAB 7.3 writes HDF5
+    with h5py.File(tmp_path / "a.h5", "a") as file:  # MATLAB 7.3 writes HDF5, and letters as numbers
+        file.create_dataset("who", data=np.array([[104], [105]], "u2")).attrs["MATLAB_class"] = "char"
+    (tmp_path / "a.h5").rename(tmp_path / "b.mat")
     assert readers.read(tmp_path / "b.mat").values.shape == (2, 6)
+    with h5py.File(tmp_path / "c.h5", "w") as file:
+        file["run/time"], file["run/vc"] = np.arange(5) / 8, np.arange(5) ** 2
+        file["rows"] = np.array([(7, 2.0)] * 5, [("index", "i4"), ("vc", "f8")])
+        file["run/time"].attrs["fs"] = 9.0
+    found = readers.read(tmp_path / "c.h5")
+    assert (found.names, found.rate_hz) == (("rows.index", "rows.vc", "run/vc"), 8)
+    with h5py.File(tmp_path / "d.h5", "w") as file:
+        file.create_dataset("x", (10**13,), "f8", chunks=(1000,))
+    with pytest.raises(ValueError, match=r"d\.h5 would take 80000\.0 GB of memory"):
+        readers.read(tmp_path / "d.h5")
 
 
 def test_tdms(tmp_path):

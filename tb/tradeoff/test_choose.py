@@ -10,6 +10,7 @@ import pytest
 from meissner import cli
 from meissner.budget import array
 from meissner.builds import config
+from meissner.tables import toml
 from meissner.tradeoff import area, choose, table
 from meissner.tradeoff import command as tradeoff_command
 from meissner.tradeoff.candidates import board_of, frames_on_line, rounded_rate, tables
@@ -31,7 +32,7 @@ def test_the_shipped_configurations_from_their_needs(name, tmp_path):
     assert (made["adc"]["rate_hz"], ships.rate_hz) == RATES.get(name, (ships.rate_hz, ships.rate_hz))
     made["adc"]["rate_hz"] = ships.rate_hz
     path = tmp_path / "mine.toml"
-    path.write_text(choose.toml(made), "utf-8")
+    path.write_text(toml(made), "utf-8")
     found = board.config(str(path))
     assert found.parameters == ships.parameters
     assert found.settings == ships.settings

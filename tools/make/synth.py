@@ -28,9 +28,9 @@ from meissner.builds.bitstream import AREA, LIMIT_S, OUT, build, label, private
 from meissner.builds.pins import description
 from meissner.builds.wiring.drawing import svg
 from meissner.builds.yowasp import ROOT, ToolError, warm_up
+from meissner.tables import toml
 from meissner.tradeoff.area import BOARDS as RESOURCES
 from meissner.tradeoff.area import recorded
-from meissner.tradeoff.choose import toml
 from meissner.twins.frontend.adc_spi import AdcSpi
 from version import record
 
@@ -139,7 +139,11 @@ def write(found):
 def tell(name, result):
     name = label(name, result.get("device"))
     used = ", ".join(f"{result[key]} {key.upper()}" for key in AREA)
-    return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g})"
+    pins = ""
+    if "sdram_out_ns" in result:
+        ways = result["sdram_out_ns"], result["sdram_in_ns"]
+        pins = "; SDRAM: from the clock to a pin {} ns, from a pin to a register {} ns".format(*ways)
+    return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g}){pins}"
 
 
 def options_of(arguments):
@@ -237,12 +241,11 @@ def beside(board, config, folder):
     (ROOT / folder / "wiring.svg").write_bytes(svg(board, config))
 
 
-def after(board, name):
-    """What to do with the bitstream in build/synth/``name``, line by line."""
+def after(board, config, name):
+    """What to do with the bitstream of a configuration in build/synth/``name``, line by line."""
     usb, folder = description(board.name).usb, f"{OUT}/{name}"
-    own = shlex.quote(f"{folder}/{board.top}{board.bitstream}")
-    config = shlex.quote(f"{folder}/config.toml")
-    baud = configurations.load(ROOT / folder / "config.toml").link.baud
+    own, table = (shlex.quote(f"{folder}/{of}") for of in (board.top + board.bitstream, "config.toml"))
+    baud = board.config(config).link.baud
     first = f" ({usb['first']})" if "first" in usb else ""
     steps = {
         "wire it": f"{folder}/wiring.svg, the pins in {folder}/pins.txt",
@@ -250,7 +253,7 @@ def after(board, name):
         "its port": f"{usb['port']}, {usb['about']}, {baud} baud; .venv/bin/meissner ports asks what answers",
         "once": "sudo cp host/60-meissner.rules /etc/udev/rules.d/ && sudo udevadm control --reload && "
         "sudo udevadm trigger",
-        "see it": f".venv/bin/meissner live {usb['port']} --config {config} --web",
+        "see it": f".venv/bin/meissner live {usb['port']} --config {table} --web",
     }
     return [f"  {what:<9} {how}" for what, how in steps.items()]
 
@@ -269,7 +272,7 @@ def make(board, config, plan, options):
         beside(board, config, folder)
     print(f"{tell(name, result)}, {time.monotonic() - begin:.0f} s\n\n{plan.text()}")
     print(f"pins: {OUT}/{name}/pins.txt and pins.json\nbitstream: {OUT}/{name}/{board.top}{board.bitstream}")
-    print("\nwhat next:", *after(board, name), sep="\n")
+    print("\nwhat next:", *after(board, config, name), sep="\n")
 
 
 def measure(pairs, options):

@@ -30,7 +30,8 @@ def page():
     lines = [HEAD]
     for name in config.names():
         on = [board for board, other in boards.pairs() if other == name]
-        lines.append(f"## {name}\n\n{config.load(name).about.capitalize()}.\n")
+        about = config.load(name).about
+        lines.append(f"## {name}\n\n{about[0].upper()}{about[1:]}.\n")
         lines += [f"![{name} on the {board.title}](wiring/{board.name}-{name}.svg)\n" for board in on]
     return "\n".join(lines)
 

@@ -2,23 +2,30 @@
 one costs, and the best that fits (docs/forest.md, "Budget")."""
 
 import json
+import os
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from meissner.builds.boards import BOARDS
+from meissner.builds.pins import description
+from meissner.files import check_kept, check_out, written
 from meissner.forest import file, words
-from meissner.forest.cost import RESERVE, clocks, depths, needs, rams, word_bits
+from meissner.forest.cost import RESERVE, Size, block_rams, clocks, depths, needs, size_of
 from meissner.forest.forest import Forest
 from meissner.forest.place import lengths, place
 from meissner.forest.reduce import Reducer
 from meissner.forest.rows import read
+from meissner.tables import toml
 from meissner.terminal import columns, plain
 from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 NODE_BITS = 64
 SDRAM = "ulx3s"
+MHZ = 50.0  # of a core with a forest in block RAM, at most
 
 
 def walks(forest, x=None):
@@ -33,7 +40,7 @@ def walks(forest, x=None):
 def devices():
     """(name, board, device, block RAMs, MHz) of every board with a bitstream."""
     for board in BOARDS.values():
-        mhz = max(changes.get("mhz", 12.0) for changes in board.configs.values())
+        mhz = max(each for each in description(board.name).clock["core_mhz"] if each <= MHZ)
         for device, count in board.rams.items():
             yield f"{board.name} {device}".strip(), board, device, count, mhz
 
@@ -99,12 +106,24 @@ def tell(found):
     return [*text, *columns(rows, numbers=True)]
 
 
+def _number(label):
+    """A label as a number, whatever a table writes for it: 1, 1.0 and True are one; or its text."""
+    text = str(label).strip()
+    text = {"True": "1", "False": "0"}.get(text, text)
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    return text
+
+
 class Compared:
     """Labelled rows, and the classes that the whole forest gives them."""
 
     def __init__(self, forest, x, y):
-        labels = {str(label): index for index, label in enumerate(forest.classes_.tolist())}
-        self.truth = np.array([labels.get(str(each), -1) for each in y.tolist()])
+        classes = forest.classes_.tolist()
+        key = (lambda label: str(label).strip()) if isinstance(classes[0], str) else _number
+        labels = {key(label): index for index, label in enumerate(classes)}
+        self.truth = np.array([labels.get(key(each), -1) for each in y.tolist()])
         if (self.truth < 0).all():
             raise ValueError(f"no label of the data is one of the forest's classes: {plain(str(y[0]))}")
         self.x, self.whole = x, forest.process(x).index
@@ -133,6 +152,9 @@ class Room(NamedTuple):
     """The block RAMs that a forest may have on a board, with that many engines and banks."""
 
     title: str
+    board: str
+    device: str
+    mhz: float
     cells: str
     rams: int
     engines: int
@@ -142,23 +164,34 @@ class Room(NamedTuple):
     def of(cls, name, engines=1, banks=1):
         """``name``: a board, or board:device; ValueError lists them."""
         known = {}
-        for title, board, device, count, _ in devices():
-            known[board.name] = known[f"{board.name}:{device}"] = (title, board.cells, count - RESERVE)
+        for title, board, device, count, mhz in devices():
+            found = title, board.name, device, mhz, board.cells, count - RESERVE
+            known[board.name] = known[f"{board.name}:{device}"] = found
         if name not in known:
-            raise ValueError(f"fit = {name} must be one of {', '.join(each.rstrip(':') for each in known)}")
+            names = dict.fromkeys(each.rstrip(":") for each in known)
+            raise ValueError(f"fit = {name} must be one of {', '.join(names)}")
         return cls(*known[name], engines, banks)
 
     def fits(self, model):
         return needs(model, self.cells, self.engines, self.banks) <= self.rams
 
-    def nodes(self, bits):
-        """The most nodes of ``bits`` that alone would fit."""
-        inside = lambda count: self.engines * rams(self.banks * count, bits, self.cells) <= self.rams
+    def nodes(self, size: Size):
+        """The most nodes of a forest of else that ``size`` that fit."""
         low, high = 0, 1 << 24
         while high - low > 1:
             middle = (low + high) // 2
-            low, high = (middle, high) if inside(middle) else (low, middle)
+            need = block_rams(replace(size, nodes=middle), self.cells, self.engines, self.banks)
+            low, high = (middle, high) if need <= self.rams else (low, middle)
         return low * self.engines
+
+    def toml(self, forest, folder):
+        """The configuration of a core on this board, in a file in ``folder``, for the file ``forest``."""
+        path = Path(os.path.relpath(forest, folder)).as_posix()
+        found = {"about": f"the forest {Path(forest).name} on the {self.title}", "clock": {"mhz": self.mhz}}
+        found |= {"sensor": {"kind": "none"}}
+        found |= {"forest": {"source": "host", "file": path, "engines": self.engines, "banks": self.banks}}
+        found |= {"link": {"baud": 1_000_000, "statistics": False}} if self.cells == "ice40" else {}  # small
+        return f"# Written by `meissner forest-budget`; docs/config.md explains every key.\n{toml(found)}"
 
 
 def fit(reducer, compared, room):
@@ -168,9 +201,10 @@ def fit(reducer, compared, room):
     gives most rows of ``compared`` the whole forest's class is taken, of equal ones the larger.
     """
     count, best = len(reducer.model.trees), None
-    most = room.nodes(word_bits(reducer.model))
+    size = replace(size_of(words.without_missing(reducer.model)[0], room.engines), leaves=1)
     for part in (64, 48, 32, 24, 16, 12, 8, 4, 2, 1):
-        trees, nodes = max(count * part // 64, 1), most
+        trees = max(count * part // 64, 1)
+        nodes = room.nodes(replace(size, trees=-(-trees // room.engines)))
         model = reducer.build(reducer.cheapest(nodes, trees), trees)
         while not room.fits(model) and nodes > trees:
             nodes = min(nodes - max(nodes // 64, 1), model.nodes)
@@ -188,9 +222,21 @@ def command(arguments):
     engines, banks = arguments.engines, arguments.banks
     if not 1 <= engines <= 64 or banks not in (1, 2):
         raise ValueError(f"engines = {engines} must lie in 1 .. 64, banks = {banks} be 1 or 2")
-    if arguments.out and not arguments.fit:
+    if arguments.training and not arguments.data:
+        raise ValueError("--training says which nodes matter for the rows of --data, which is missing")
+    if arguments.out and arguments.fit is None:
         raise ValueError("--out writes the forest that --fit finds")
-    room = Room.of(arguments.fit, engines, banks) if arguments.fit else None
+    if arguments.out:
+        check_out(arguments.out)
+    if arguments.toml:
+        if not arguments.out:
+            raise ValueError("--toml writes a configuration for the forest of --out")
+        if check_out(arguments.toml).suffix != ".toml":
+            raise ValueError(f"{arguments.toml} must be a .toml file")
+        check_kept(arguments.toml, arguments.overwrite, [])
+    room = Room.of(arguments.fit, engines, banks) if arguments.fit is not None else None
+    if room is not None:
+        words.check(words.without_missing(forest.model)[0])
     names = [feature.name for feature in forest.model.features]
     x, y = read(arguments.data, names, labelled=True)[:2] if arguments.data else (None, None)
     found = budget(forest.model, walks(forest, x), engines, banks)
@@ -223,6 +269,9 @@ def command(arguments):
         }
     if arguments.out:
         file.write(Path(arguments.out), model)
+    if arguments.toml:
+        with written(arguments.toml) as text:
+            text.write(room.toml(arguments.out, Path(arguments.toml).parent).encode())
     if arguments.json:
         print(json.dumps(found, indent=2))
         return
@@ -248,3 +297,6 @@ def command(arguments):
         print(f"\nthe forest fits {room.title} as it is")
     if arguments.out:
         print(f"the forest: {plain(arguments.out)}")
+    if arguments.toml:
+        device = f" DEVICE={room.device}" if room.device else ""
+        print(f"its bitstream: make synth BOARD={room.board} CONFIG={plain(arguments.toml)}{device}")

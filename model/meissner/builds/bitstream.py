@@ -22,7 +22,8 @@ LIMIT_S = 1800  # processor time of one place and route; the longest successful 
 AREA = ("lut", "ff", "bram", "dsp")
 Report = dict[str, Any]  # nextpnr's, as JSON
 Step = Callable[[str, str], object]  # called with what begins and its log, relative to ROOT
-PIN = re.compile(r"adc_(cs_n|sclk|mosi|miso)_")
+# Pins whose delays are reported. Of the SDRAM's clock, from an output register, nextpnr knows none.
+PINS = {"spi": r"adc_(cs_n|sclk|mosi|miso)_", "sdram": r"sdram_(?!clk)"}
 
 
 class TooLarge(ToolError):
@@ -85,17 +86,18 @@ def too_large(log: str) -> str:
     return ", ".join(f"{used} of {there} {cell}" for cell, used, there in rows if int(used) > int(there))
 
 
-def spi_delays(report: Report) -> tuple[float | None, float | None]:
-    """ns from the clock to the converter's pins and from these pins to a register; None if not modelled."""
-    out, back = [], []
+def pin_delays(report: Report) -> dict[str, float]:
+    """The longest ways in ns, of each kind of pin in the design: from the clock to a pin, ``spi_out_ns``, and
+    from a pin to a register, ``spi_in_ns``; the same of the SDRAM."""
+    found: dict[str, float] = {}
     for net in report["detailed_net_timings"]:
         for end in net["endpoints"]:
-            if end["event"] == "<async>" and PIN.match(end["cell"]):
-                out.append(max(end["delay"]))
-            elif net["event"] == "<async>" and PIN.match(net["driver"]):
-                back.append(max(end["delay"]))
-    first, second = (round(max(way), 1) if way else None for way in (out, back))
-    return first, second
+            for event, cell, way in (end["event"], end["cell"], "out"), (net["event"], net["driver"], "in"):
+                for kind in (kind for kind, names in PINS.items() if re.match(names, cell)):
+                    if event == "<async>":
+                        key = f"{kind}_{way}_ns"
+                        found[key] = max(found.get(key, 0.0), round(max(end["delay"]), 1))
+    return found
 
 
 def label(board: str, device: str | None) -> str:
@@ -172,7 +174,8 @@ def build(
     step("synthesis by Yosys", f"{folder}/{board.top}.yosys.log")
     stem, cells = synthesise(board, config, folder)
     mhz: list[float] = []
-    delays, packed, failed = [], False, ToolError("there is no seed")
+    delays: dict[str, float] = {}
+    packed, failed = False, ToolError("there is no seed")
     sizes: list[str | None] = (
         [device] if device or not board.devices else [name for name in board.devices if name != "12F"]
     )
@@ -189,7 +192,7 @@ def build(
             continue
         clocks = [clock["achieved"] for clock in report["fmax"].values()]
         mhz.append(math.floor(10 * min(clocks)) / 10)  # rounded down: 99.95 is not 100
-        delays.append(spi_delays(report))
+        delays = {key: max(ns, delays.get(key, 0.0)) for key, ns in pin_delays(report).items()}
         if mhz[-1] >= clk_mhz and not packed:
             program, *options = board.pack.format(stem=stem).split()
             step("packing the bitstream", f"{stem}.pack.log")
@@ -210,8 +213,8 @@ def build(
         **area(board, cells, report),
         "mhz": mhz,
         "mhz_worst": min(mhz),
-        "spi_out_ns": max((out for out, _ in delays if out), default=None),
-        "spi_in_ns": max((back for _, back in delays if back), default=None),
+        **dict.fromkeys(("spi_out_ns", "spi_in_ns")),
+        **delays,
     }
 
 

@@ -74,11 +74,14 @@ class Board:
         ValueError
             If the board lacks the pins, the clock, or the block RAM for a forest.
         """
-        build = self.config(name)
+        return self.fits(self.config(name), label(name), device or self.device(name))
+
+    def fits(self, build: Config, named: str, device: str | None = None) -> pins.Plan:
+        """The pins of a build, as ``plan``; ``named``: what it is called in sentences and files."""
         if (forest := build.features.get("forest")) is not None and self.rams:
-            device = device or self.device(name) or list(self.rams)[-1]
+            device = device or list(self.rams)[-1]
             forest.check_room(f"{self.name} {device}".strip(), self.cells, self.rams[device])
-        return pins.assign(pins.description(self.name), label(name), build.parameters, build.slip_pins)
+        return pins.assign(pins.description(self.name), named, build.parameters, build.slip_pins)
 
     def parameters(self, name: str) -> dict[str, int]:
         """Parameters of rtl/msn_core.sv for this board with that configuration."""

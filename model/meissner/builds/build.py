@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from math import ceil, floor
+from math import ceil, floor, log10
 from typing import Any
 
 from meissner.builds import input_range
@@ -141,6 +141,13 @@ class Config:
             if room > 0:
                 clocks = max(clocks, floor(1000 * self.clk_khz * COP_BYTES / room) + 1)
         return 1000 * self.clk_khz / clocks
+
+    @property
+    def slowest(self) -> tuple[int, str, str]:
+        """(clocks from frame to frame that it needs, name, what takes them) of the slowest feature."""
+        built = {name: FEATURES[name] for name in self.features}
+        needed = [(of.clocks(self), name, of.TAKES) for name, of in built.items() if hasattr(of, "TAKES")]
+        return max(needed, default=(1, "", ""))
 
     @property
     def _image_bytes(self) -> int:
@@ -335,6 +342,8 @@ class Config:
                 raise ValueError(f"[slip]: {problem}") from None
         for name in self.features:
             FEATURES[name].check(self)
+        clocks, name, what = self.slowest
+        self._slow_enough(clocks, f" for [{name}]: {what} takes up to")
         if self.link.slip_only and (self.kind != "channels" or self.link.registers):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
         if self.link.slip_only and self.adc.read == "during":
@@ -355,16 +364,21 @@ class Config:
         reset_word(self.settings, self.widths)
         return self
 
+    def _slow_enough(self, clocks: int, why: str) -> None:
+        """ValueError unless a period lasts so many clocks."""
+        if self.period_clocks < clocks:
+            most = 1000 * self.clk_khz / clocks
+            step = 10.0 ** (floor(log10(most)) - 6)
+            raise ValueError(
+                f"[adc]: rate_hz = {self.rate_hz:g} is too fast{why} {clocks} clocks, so at most "
+                f"{floor(most / step) * step:.7g} Hz"
+            )
+
     def _sensor_fits(self) -> None:
         """ValueError if the converter is too slow or too fast, or a level in codes does not occur."""
         self._codes_occur()
         needed, what = self.least_period, "a scan" if self.array else "a conversion"
-        if self.period_clocks < needed:
-            most = 1000 * self.clk_khz / needed
-            raise ValueError(
-                f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, "
-                f"so at most {most:.0f} Hz"
-            )
+        self._slow_enough(needed, f": {what} takes")
         longest = (1 << (32 if self.array else 24)) - 1
         if self.period_clocks > longest:
             least = 1000 * self.clk_khz / longest

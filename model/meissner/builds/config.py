@@ -113,8 +113,9 @@ def read(name: str, tables: dict[str, Any]) -> Config:
         raise ValueError("its numbers lead to an overflow or a division by zero") from None
 
 
-def _read(name: str, file: Any, fastest: bool) -> Config:
-    """``file``: one of keys.FILES; ``fastest``: at the greatest rate, whatever the file's is."""
+def _read(name: str, file: Any, fastest: bool, least_period: int = 1) -> Config:
+    """``file``: one of keys.FILES; ``fastest``: at the greatest rate, whatever the file's is, which
+    ``least_period`` limits: features are known only when their settings have been made at a rate."""
     adc = getattr(file, "adc", keys.UNUSED)
     part, clk_khz = keys.PARTS[adc.part], round(1000 * file.clock.mhz)
     sclk_khz = adc.sclk_khz or part.sclk_default_khz
@@ -132,9 +133,7 @@ def _read(name: str, file: Any, fastest: bool) -> Config:
     with naming("[adc]"):
         limits = base.input
     if fastest:
-        built = [FEATURES[name] for name in FEATURES if getattr(file, name, None)]
-        clocks = [getattr(feature, "NEEDED_CLOCKS", 1) for feature in built]
-        base = replace(base, rate_hz=base.most_rate_hz(max(clocks, default=1)))
+        base = replace(base, rate_hz=base.most_rate_hz(least_period))
     if isinstance(file, keys.ArrayFile):
         array = file.array
         base = replace(
@@ -172,7 +171,10 @@ def _read(name: str, file: Any, fastest: bool) -> Config:
         if given:
             with naming(f"[{feature}]"):
                 features[feature] = module.config(given, base)
-    return replace(base, features=features).check()
+    base = replace(base, features=features)
+    if fastest and base.period_clocks < base.slowest[0]:
+        return _read(name, file, fastest, base.slowest[0])
+    return base.check()
 
 
 def _health(adc: Adc, rate_hz: float) -> dict[str, int]:
@@ -208,7 +210,7 @@ def command_show(arguments: Namespace) -> None:
     config = load(arguments.file)
     print(f"{plain(config.name)}: {plain(config.about)}")
     if config.units.rate_hz:
-        print(f"{config.rate_hz:.7g} {config.sampled} a second")
+        print(f"{config.rate_hz:.12g} {config.sampled} a second")
     print("\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")

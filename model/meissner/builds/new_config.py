@@ -4,22 +4,38 @@ It is checked as any other file and its pins are assigned before it is written, 
 by the sentence of the check that finds it.
 """
 
+import json
+import os
 import re
 import sys
 import tomllib
 from argparse import Namespace
+from contextlib import suppress
 from math import floor
 from pathlib import Path
 from typing import Any
 
 from meissner.builds import config, pins
+from meissner.builds.boards import COP4_ICE
 from meissner.builds.flash import EVERY
-from meissner.builds.keys import PARTS
+from meissner.builds.keys import FILES, PARTS
 from meissner.files import check_out, written
 from meissner.tables import one_of
 from meissner.terminal import plain
 
-WORDS = {"channels": "single sensors, such as rubber", "array": "a matrix", "electrodes": "four wires"}
+WORDS = {
+    "channels": "single sensors, such as rubber",
+    "array": "a matrix",
+    "electrodes": "four wires",
+    "none": "a forest alone, for rows of a host",
+}
+FEATURES = {
+    "grip": "the reflex of a hand",
+    "forest": "a trained forest decides",
+    "display": "pins under a finger",
+    "shear_speed": "mm/s of sheared rubber",
+}
+OPTIONS = {"channels", "rows", "columns", "adc", "converters", "volts", "features", "forest", "pins", "rate"}
 R_OHM, R0_OHM = 100.0, 1000.0  # of the mesh of the published slip sensor
 
 
@@ -27,77 +43,100 @@ def command(arguments: Namespace) -> None:
     """``meissner config new``."""
     if check_out(arguments.out).suffix != ".toml":
         raise ValueError(f"{arguments.out} must be a .toml file")
-    text = written_from(_answers(arguments), Path(arguments.out).stem)
+    found = _answers(arguments)
+    text = written_from(found, Path(arguments.out))
     with written(arguments.out) as file:
         file.write(text.encode("utf-8"))
     out = plain(arguments.out)
-    board = f" --board {arguments.board}" if arguments.board else ""
-    print(f"written: {out}\n  meissner config show {out}\n  meissner wiring {out}{board} --out wiring.svg")
-    if arguments.board:
-        print(f"  make synth BOARD={arguments.board} CONFIG={out}")
+    board = f" --board {found['board']}" if found["board"] else ""
+    wiring = f"\n  meissner wiring {out}{board} --out wiring.svg" if found["sensor"] != "none" else ""
+    print(f"written: {out}\n  meissner config show {out}{wiring}")
+    if found["board"]:
+        print(f"  make synth BOARD={found['board']} CONFIG={out}")
 
 
 def _answers(given: Namespace) -> dict[str, Any]:
     """What the options say; the rest is asked on a terminal, and otherwise the usual."""
-    asks = sys.stdin.isatty() and sys.stdout.isatty()
+    asks, options = sys.stdin.isatty() and sys.stdout.isatty(), dict(vars(given))
 
     def of(name: str, question: str, usual: Any, kind: type = str) -> Any:
-        value = getattr(given, name)
+        value = options.pop(name)
         if value is None and asks:
             try:
                 said = input(f"{question} [{usual or 'none'}]: ").strip()
             except EOFError:
                 raise ValueError(f"no answer: {question}") from None
             try:
-                value = kind(said) if said else usual
+                value = kind(said) if said and (usual or said != "none") else usual
             except ValueError:
                 raise ValueError(
                     f"{name} = {said!r} must be a {'whole ' if kind is int else ''}number"
                 ) from None
-        value = usual if value is None else value
-        setattr(given, name, value)
-        return value
+        return usual if value is None else value
 
-    kinds = ", ".join(f"{kind} ({word})" for kind, word in WORDS.items())
-    found = {"sensor": of("sensor", f"sensor: {kinds}", "channels")}
-    one_of("sensor", found["sensor"], WORDS)
-    if found["sensor"] == "channels":
+    def several(names: dict[str, str]) -> str:
+        return ", ".join(f"{name} ({words})" for name, words in names.items())
+
+    sensor = of("sensor", f"sensor: {several(WORDS)}", "channels")
+    one_of("sensor", sensor, WORDS)
+    found: dict[str, Any] = {"sensor": sensor, "features": ["forest"]}
+    if sensor == "channels":
         found["channels"] = of("channels", "sensors, each on an input of the converter", 1, int)
-    else:
-        side = 3 if found["sensor"] == "array" else 7
+    elif sensor != "none":
+        side = 3 if sensor == "array" else 7
         found |= {name: of(name, f"{name} of taxels", side, int) for name in ("rows", "columns")}
-    usual = "AD7606" if found["sensor"] == "electrodes" else "MCP3208"
-    found["adc"] = of("adc", f"converter: {', '.join(PARTS)}", usual).upper()
-    one_of("adc", found["adc"], PARTS)
-    signed = PARTS[found["adc"]].signed
-    if found["sensor"] == "array":
-        found["converters"] = of("converters", "converters side by side", 1, int)
-    found["volts"] = of("volts", "full scale of the converter, volts", 5.0 if signed else 3.3, float)
-    found["rate"] = of("rate", "frames a second, or max", "max" if found["sensor"] == "array" else "10000")
-    board = found["board"] = of("board", f"board: {', '.join(EVERY)}, or none", None)
-    if board is not None:
-        one_of("board", board, EVERY)
+    if sensor != "none":
+        usual = "AD7606" if sensor == "electrodes" else "MCP3208"
+        found["adc"] = of("adc", f"converter: {', '.join(PARTS)}", usual).upper()
+        one_of("adc", found["adc"], PARTS)
+        if sensor == "array":
+            found["converters"] = of("converters", "converters side by side", 1, int)
+        signed = PARTS[found["adc"]].signed
+        found["volts"] = of("volts", "full scale of the converter, volts", 5.0 if signed else 3.3, float)
+        offered = {name: FEATURES[name] for name in FEATURES if name in FILES[sensor].__struct_fields__}
+        implied = [name for name, option in (("forest", given.forest), ("display", given.pins)) if option]
+        said = of("features", f"features, with commas: {several(offered)}", ",".join(implied))
+        chosen = {*filter(None, map(str.strip, said.split(","))), *implied} - {"none"}
+        for name in sorted(chosen):
+            one_of("features", name, offered)
+        found["features"] = [name for name in FEATURES if name in chosen]
+    if "forest" in found["features"]:
+        found["forest"] = of("forest", "the forest, an F.json of export-forest", None)
+    if "display" in found["features"]:
+        found["pins"] = of("pins", "pins of the display, rows x columns", "5x20")
+        if not re.fullmatch(r"\d{1,3}x\d{1,3}", found["pins"]):
+            raise ValueError(f"pins = {found['pins']!r} must be rows x columns, such as 5x20")
+    if sensor != "none":
+        steady = sensor != "array" and "display" not in found["features"]
+        found["rate"] = of("rate", "frames a second, or max", "10000" if steady else "max")
+    found["board"] = of("board", f"board: {', '.join(EVERY)}, or none", None)
+    if found["board"] is not None:
+        one_of("board", found["board"], EVERY)
+    for name in OPTIONS & set(options):
+        if options[name] is not None:
+            raise ValueError(f"{name} = {options[name]} does not go with sensor = '{sensor}'")
     for key in ("channels", "rows", "columns", "converters"):
         if found.get(key, 1) < 1:
             raise ValueError(f"{key} = {found[key]} must be above 0")
     return found
 
 
-def written_from(found: dict[str, Any], name: str) -> str:
-    """The text of a configuration called ``name``; ValueError in one sentence if it cannot be built."""
-    board = pins.description(found["board"]) if found["board"] else None
-    makes = board.clock["core_mhz"] if board else [24.0]
-    small = found["sensor"] == "channels"
+def written_from(found: dict[str, Any], out: Path) -> str:
+    """The text of a configuration for the file ``out``; ValueError in one sentence if it cannot be built."""
+    board = EVERY[found["board"]] if found["board"] else None
+    makes = pins.description(board.name).clock["core_mhz"] if board else [24.0]
+    sensor, features = found["sensor"], found["features"]
+    small = sensor in ("channels", "none")
     mhz = min(makes) if small else max([each for each in makes if each <= 50] or makes)
-    try:
-        rate = '"max"' if found["rate"] == "max" else f"{float(found['rate'])}"
-    except ValueError:
-        raise ValueError(f"rate = {found['rate']!r} must be a number, or max") from None
-    few = found["board"] == "icebreaker"  # too few cells for registers
-    part = {"channels": _channels, "array": _array, "electrodes": _electrodes}[found["sensor"]]
+    few = found["board"] == "icebreaker" and sensor != "none"  # too few cells for registers
+    if few:
+        _room(found)
+    part = {"channels": _channels, "array": _array, "electrodes": _electrodes, "none": _none}[sensor]
     clock = f"the {board.name} makes {_or(makes)}" if board else "of the core"
-    about, sensor, adc, rest = part(found, few)
-    signed = PARTS[found["adc"]].signed
+    about, own, adc, rest = part(found, few)
+    about += f", with {', '.join(features)}" if features and sensor != "none" else ""
+    for name in features:
+        rest += "\n" + FEATURE_TEXTS[name](found, out, mhz)
     text = f"""# Written by `meissner config new`; docs/config.md explains every key, `config check` checks.
 about = "{about}"
 
@@ -105,26 +144,52 @@ about = "{about}"
 mhz = {mhz}                # {clock}
 
 [sensor]
-{sensor}
-[adc]
-part = "{found["adc"]}"
-volts = {found["volts"]:g}               # {"the end of the range" if signed else "the reference"}
-rate_hz = {rate}          # frames a second; "max": the fastest that converter, scan and line allow
-{adc}
-{rest}
+{own}
+{adc}{rest}
 [link]
 baud = {min(3_000_000 if not small else 1_000_000, round(mhz * 250_000))}
 registers = {str(not few).lower()}         # a host reads and writes settings while the core runs
 """
     if few and small and found["channels"] == 1:
         text += "statistics = false\nslip_only = true          # the smallest packets: changes of the state\n"
-    if found["sensor"] == "array":
+    if sensor == "array":
         text += "images = true             # beside centre of pressure and load\n"
+    text = text.replace("\n\n\n", "\n\n")
     text = re.sub(r"(?m)^(\S.*?) +# ", lambda found: f"{found[1]:<25} # ", text)
-    made = config.read(name, tomllib.loads(text))
+    tables = tomllib.loads(text)
+    if found.get("forest"):
+        tables["forest"]["file"] = found["forest"]  # the text has it as seen from the file
+    made = config.read(out.stem, tables)
     if board:
-        pins.assign(board, name, made.parameters, made.slip_pins)
+        board.fits(made, out.stem)
     return text
+
+
+def _room(found: dict[str, Any]) -> None:
+    """ValueError for what no build for an iCEBreaker has room for."""
+    if found["sensor"] == "electrodes":
+        raise ValueError(f"sensor = 'electrodes' must be on another board than the icebreaker: {COP4_ICE}")
+    needs = [name for name in found["features"] if name != "display"]
+    if needs:
+        raise ValueError(
+            f"features = '{needs[0]}' must be on another board than the icebreaker: it needs registers, for "
+            "which a sensor leaves no cells"
+        )
+
+
+def _adc(found: dict[str, Any], more: str = "") -> str:
+    """[adc]."""
+    try:
+        rate = '"max"' if found["rate"] == "max" else f"{float(found['rate'])}"
+    except ValueError:
+        raise ValueError(f"rate = {found['rate']!r} must be a number, or max") from None
+    end = "the end of the range" if PARTS[found["adc"]].signed else "the reference"
+    return f"""[adc]
+part = "{found["adc"]}"
+volts = {found["volts"]:g}               # {end}
+rate_hz = {rate}          # frames a second; "max": the fastest that converter, scan, line and features allow
+{more}
+"""
 
 
 def _or(numbers: list[float]) -> str:
@@ -138,7 +203,7 @@ def _channels(found: dict[str, Any], few: bool) -> tuple[str, str, str, str]:
     return (
         f"{count} rubber sensor{'s' * (count > 1)} on one {found['adc']}",
         f'kind = "channels"\nchannels = {count}              # on inputs 0 and up of the converter\n',
-        "",
+        _adc(found),
         f"""[slip]                    # volts of a sample and of a detail's peak to peak (docs/slip.md)
 serial = {str(serial).lower()}            # true: one channel, two bits a clock, the fewest cells
 window = 64               # samples
@@ -161,8 +226,11 @@ def _array(found: dict[str, Any], few: bool) -> tuple[str, str, str, str]:
         f"{rows}×{columns} taxels on {many}",
         f'kind = "array"\nrows = {rows}                  # driven one at a time, 0 at the top\n'
         f"columns = {columns}               # read together, 0 at the left\n",
-        f"converters = {converters}\n"
-        f"channels = {inputs}              # inputs used of each; more columns take turns\n",
+        _adc(
+            found,
+            f"converters = {converters}\n"
+            f"channels = {inputs}              # inputs used of each; more columns take turns\n",
+        ),
         """[array]
 newtons_per_count = 0.001 # of one code of force, after calibration (docs/calibration.md)
 pitch_mm = 5.0            # from taxel to taxel
@@ -191,7 +259,7 @@ def _electrodes(found: dict[str, Any], few: bool) -> tuple[str, str, str, str]:
     return (
         f"four electrodes of {rows}×{columns} taxels on one {found['adc']}",
         'kind = "electrodes"\n',
-        "",
+        _adc(found),
         f"""[mesh]
 rows = {rows}
 columns = {columns}
@@ -216,3 +284,94 @@ hold_ms = 50.0
 refractory_ms = 100.0
 """,
     )
+
+
+def _none(found: dict[str, Any], few: bool) -> tuple[str, str, str, str]:
+    return "a forest for rows of a host", 'kind = "none"\n', "", ""
+
+
+def _grip(found: dict[str, Any], out: Path, mhz: float) -> str:
+    answers, sample = ("a finger", "sample") if found["sensor"] == "channels" else ("a decision", "frame")
+    return f"""[grip]                    # the command of a hand, in counts (docs/grip.md)
+rule = "any"              # any finger that slips, or the weakest
+immediate = true          # clocks after the {sample} that shows it; false: at the next cycle
+cycle_ms = 10.0           # from command to command
+silent_ms = 50.0          # the hand holds when {answers} is late by more
+step = 256                # for each window over the threshold
+rate = 2048               # most of a cycle
+minimum = 1024
+maximum = 60_000
+"""
+
+
+def _forest(found: dict[str, Any], out: Path, mhz: float) -> str:
+    channels = found.get("channels") or found.get("rows", 0) * found.get("columns", 0)
+    frames = found["sensor"] in ("channels", "array")
+    labels: list[Any] = [0, 1]
+    window = max(1, min(6, 256 // (channels or 1)))
+    size = (
+        "" if frames else "features = 16             # of a row\nbits = 12                 # of a feature\n"
+    )
+    size += "classes = 2\ntrees = 64\nnodes = 1024\n"
+    if path := found["forest"]:
+        from meissner.forest import file, words
+
+        model = words.without_missing(file.read(Path(path)))[0]
+        labels, window = list(model.classes), max(1, len(model.features) // (channels or 1))
+        beside = os.path.relpath(path, out.parent)
+        size = f"file = {json.dumps(beside)}  # sizes follow from it; it is not in the bitstream\n"
+    rows = f"window = {window}                # frames whose differences are a row\n" if frames else ""
+    banks = 1 if found["board"] == "icebreaker" else 2
+    slips = json.dumps(labels[1:] if len(labels) == 2 else [])
+    slip = f"slip = {slips}                # what is a slip for [grip], of {json.dumps(labels[:8])}\n"
+    return f"""[forest]                  # a host loads it: live, log, regs --forest F.json (docs/forest.md)
+source = "{"frames" if frames else "host"}"         # where its rows come from
+{rows}{size}banks = {banks}                 # 2: one is loaded while another decides
+{slip if "grip" in found["features"] else ""}"""
+
+
+def _display(found: dict[str, Any], out: Path, mhz: float) -> str:
+    from meissner.twins.actuate.pin_display import DisplaySize
+
+    rows, columns = map(int, found["pins"].split("x"))
+    chains, bits = 1, 4
+    for chains, bits in [(chains, bits) for bits in (4, 3, 2, 1) for chains in (1, 2, 4, 8)]:
+        with suppress(ValueError):
+            DisplaySize(rows * columns, chains, bits, round(1000 * mhz))
+            break
+    shows = {
+        "array": "floor_n = 0.05            # a pin is on from this mean force of its taxels\n"
+        "step_n = 0.2              # each more of these is a level more\n",
+        "channels": "floor_codes = 65535       # no image, since codes fall with the force\n"
+        "cue_frames = 255          # while it slips, stripes that move a pin every so many samples\n",
+        "electrodes": "marker = true             # the pin under the centre of pressure\n"
+        "cue_frames = 100          # while it slips, stripes that move a pin every so many samples\n",
+    }[found["sensor"]]
+    return f"""[display]                 # its lines, and the limits to know: docs/pin_display.md
+rows = {rows}
+columns = {columns}
+chains = {chains}                # of drivers, side by side
+amplitude_bits = {bits}        # of a pin's level
+drive_hz = 230.0
+{shows}most_pins = {min(4095, max(1, rows * columns * 3 // 5))}            # at once
+duty = 0.5                # share of any 10 s in which a pin is driven
+left_on_s = 5.0           # a pin that is on for longer is switched off
+stop_s = 0.5              # all is off after this time without a frame
+"""
+
+
+def _shear_speed(found: dict[str, Any], out: Path, mhz: float) -> str:
+    share, lsb = found["volts"] / 5, found["volts"] / (1 << PARTS[found["adc"]].data_bits)
+    return f"""[shear_speed]             # of a lot of rubber: `meissner fit-rubber` (docs/shear.md)
+k0_v = {1.55 * share:.4g}
+k1 = -0.27
+n = 0.11
+vi_min_v = {2 * share:.4g}
+vi_max_v = {4 * share:.4g}
+noise_v = {0.1 * share:.4g}
+still_v = {max(0.0025 * share, 2 * lsb):.4g}
+limit_mm_s = 3.0
+"""
+
+
+FEATURE_TEXTS = {"grip": _grip, "forest": _forest, "display": _display, "shear_speed": _shear_speed}

@@ -1,50 +1,127 @@
 """What a forest costs in hardware: block RAMs, and clocks of a decision (docs/forest.md, "Budget")."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from meissner.forest import words
+from meissner.forest import file, words
 
 LANES = 4  # of classes that an engine adds in a clock
 SHARE = 0.95  # of the clocks in which an engine of block RAM compares a node
 SDRAM_CLOCKS = 4.2  # a node (tb/forest/test_forest_sdram.py)
 WALK_CLOCKS = 28  # from a node to its child, through the SDRAM
-RESERVE = 4  # block RAMs for what else a core has
+RESERVE = 1  # block RAM for what else a core has; one that reads a sensor may need more
+SDRAM_ADDRESS = 22  # bits
+
+# What Yosys chooses from for a memory: (price of one, bits of a write enable, bits of a word for each depth).
+# A price is in LUT RAMs of 16 by 4 as 4, and a bit in a flip-flop as 1.
+WIDE = {16384: 1, 8192: 2, 4096: 4, 2048: 9, 1024: 18, 512: 36}
+BLOCKS = {
+    "ice40": (64, 1, {2048: 2, 1024: 4, 512: 8, 256: 16}),
+    "ecp5": (128, 9, WIDE),
+    "gowin": (128, 9, WIDE),
+}
+LUT_RAM = (4, 4, {16: 4})
 
 
-def rams(count, bits, cells):
-    """Block RAMs for ``count`` words of ``bits``, in the shape that takes the fewest."""
-    size, widest = {"ice40": (4096, 16), "ecp5": (16384, 32), "gowin": (16384, 32)}[cells]
-    extra = 9 / 8 if widest == 32 else 1  # bits of parity, which hold data too
-    shapes = [(size // width, int(width * (extra if width >= 8 else 1))) for width in (1, 2, 4, 8, 16, 32)]
-    return min(-(-count // deep) * -(-bits // wide) for deep, wide in shapes if wide <= widest * extra)
+@dataclass(frozen=True)
+class Size:
+    """What a forest needs, or a core has room for; ``trees`` and ``nodes``: of each engine."""
+
+    features: int
+    classes: int
+    trees: int
+    nodes: int
+    leaves: int
+    bits: int
 
 
-def word_bits(model):
-    """Bits of a node in block RAM (rtl/forest/msn_forest_memory.sv): kind, feature, threshold, low half."""
-    most = max((int(np.abs(tree.threshold).max(initial=0)) for tree in model.trees), default=0)
-    threshold = min((most + 1).bit_length() + 1, words.THRESHOLD_BITS)
-    return 2 + max((len(model.features) - 1).bit_length(), 1) + threshold + 32
+def columns(model):
+    """Values of a row that the engines get, those for missing values among them."""
+    return len(words.without_missing(model)[0].features)
 
 
-def sizes(model, engines):
-    """(words, trees) of each engine."""
+def bits_of(model: file.Model) -> int:
+    """Bits of a feature with which no threshold and no value on either side of it is lost."""
+    every = np.concatenate([tree.threshold for tree in model.trees])
+    ends = (int(every.min()), int(every.max())) if every.size else (0,)
+    return max(2, *(max(-end - 1, end + 1).bit_length() + 1 for end in ends))
+
+
+def size_of(model: file.Model, engines: int) -> Size:
+    """What ``model`` needs of each of ``engines``."""
     own = [max(len(tree.feature), 1) for tree in model.trees]
-    return [(sum(own[tree] for tree in trees), len(trees)) for trees in words.spread(model, engines)]
+    shares = words.spread(model, engines)
+    return Size(
+        features=len(model.features),
+        classes=len(model.classes),
+        trees=max(map(len, shares)),
+        nodes=max(sum(own[tree] for tree in trees) for trees in shares),
+        leaves=len(model.leaves) if len(model.classes) != 2 else 1,
+        bits=bits_of(model),
+    )
 
 
-def needs(model, cells, engines, banks):
-    """Block RAMs of a forest's nodes, roots and leaves: as many for each engine as for the fullest."""
-    nodes, trees = (max(each) for each in zip(*sizes(model, engines)))
-    size = nodes, word_bits(model), trees, len(model.classes), len(model.leaves)
-    return engines * of_engine(*size, cells, banks)
+def index_bits(count: int) -> int:
+    """Bits of an index 0 .. count - 1, at least one."""
+    return max((count - 1).bit_length(), 1)
 
 
-def of_engine(nodes, bits, trees, classes, leaves, cells, banks, lanes=LANES):
-    """Block RAMs of an engine with room for so many nodes of ``bits``, trees and leaves."""
-    each = rams(banks * nodes, bits, cells) + rams(banks * trees, max((nodes - 1).bit_length(), 1), cells)
-    if classes != 2:
-        each += min(classes, lanes) * rams(banks * -(-classes // lanes) * leaves, 16, cells)
-    return each
+def inferred(count: int, bits: int, cells: str) -> int:
+    """Block RAMs that Yosys takes for a memory of ``count`` words of ``bits`` with one port to write and one
+    to read with a register: the cheapest of block RAM in one of its shapes, LUT RAM and flip-flops.
+
+    For each shape the words are cut into ``deep`` parts, whose bits share RAMs but no write enable; a bit of
+    the multiplexer behind the parts costs a half, as does a part's write enable.
+    """
+    best, found = count * bits, 0
+    for number, (price, byte, shapes) in ((0, LUT_RAM), (1, BLOCKS[cells])):
+        if number == 0 and cells == "ice40":  # which has no LUT RAM
+            continue
+        cheapest = None
+        for depth, width in shapes.items():
+            deep, step = -(-count // depth), min(byte, width)
+            each = -(-deep * (-(-bits // step) * step) // width)
+            cost = price * each + (deep - 1) * bits / 2 + (deep / 2 if deep > 1 else 0) + 2
+            if cheapest is None or cost < int(cheapest[0]):
+                cheapest = cost, number * each
+        if cheapest[0] < best:
+            best, found = int(cheapest[0]), cheapest[1]
+    return found
+
+
+def rams(count: int, bits: int, cells: str) -> int:
+    """Block RAMs of a msn_ram: on an ECP5 that of rtl/ecp5, which has no multiplexer behind its cells."""
+    if cells == "ecp5" and count <= max(WIDE) and -(-count // 16) * -(-bits // 4) > 16:
+        fits = [(depth, width) for depth, width in WIDE.items() if depth >= count]
+        _, width = fits[-1] if fits[-1][1] < 36 or bits > 18 else fits[-2]
+        return -(-bits // width)
+    return inferred(count, bits, cells)
+
+
+def block_rams(size: Size, cells: str, engines=1, banks=1, lanes=LANES, sdram=False) -> int:
+    """Block RAMs of msn_classify with a forest of that size (rtl/forest): every memory that is read through
+    a register."""
+    context, tag = (2, 5) if sdram else (1, 4)  # bits: decisions under way, walkers
+    address = SDRAM_ADDRESS if sdram else index_bits(size.nodes)
+    index = index_bits(size.features)
+    memory, fifo = (lambda *of: rams(*of, cells)), (lambda depth, bits: inferred(depth, bits, cells))
+    each = 0 if sdram else memory(banks * size.nodes, 2 + index + size.bits + 32)
+    each += memory(banks * size.trees, address) + memory(1 << index + context, size.bits)
+    if size.classes != 2:
+        rows = banks * size.leaves * -(-size.classes // lanes)
+        each += min(size.classes, lanes) * memory(rows, 16)
+    # Places of the walkers; queues of nodes, leaves and tags.
+    queued = context + address, context + address + tag, context + 17 + tag, tag
+    each += sum(fifo(1 << tag, bits) for bits in queued)
+    queues = 4 * fifo(1 << tag, 20 + tag) if sdram else 0
+    row_votes_times = memory(size.features, size.bits) + memory(size.classes, 32) + fifo(4, 48)
+    return engines * each + queues + row_votes_times
+
+
+def needs(model: file.Model, cells: str, engines=1, banks=1) -> int:
+    """Block RAMs of ``model`` in a core, as many for each engine as for the fullest."""
+    return block_rams(size_of(words.without_missing(model)[0], engines), cells, engines, banks)
 
 
 def depths(tree):
@@ -65,6 +142,6 @@ def clocks(model, walked, engines):
 
 def _clocks(model, steps, engines):
     busiest = np.max([steps[:, own].sum(1) for own in words.spread(model, engines)], axis=0)
-    ends = len(model.features) + len(model.classes) * (engines + 4)
+    ends = columns(model) + len(model.classes) * (engines + 4)
     outside = np.maximum(steps.sum(1) * SDRAM_CLOCKS, WALK_CLOCKS * steps.max(1)) + ends
     return {"block RAM": busiest / SHARE + ends, "SDRAM": outside}

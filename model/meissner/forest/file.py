@@ -18,6 +18,7 @@ ONE = 65535  # a probability of one
 INTEGER_LIMIT = 1 << 24  # float32 holds the integers below it
 MAX_TREES = 65535  # so that a sum of votes has 32 bits
 MAX_CLASSES = 65536
+MAX_LABEL = 1000  # characters
 MAX_FEATURES = 1 << 20
 _PARTS = ("format", "version", "source", "classes", "features", "leaves", "trees")
 _LISTS = ("feature", "threshold", "left", "right")
@@ -74,6 +75,11 @@ class Model:
         return sum(len(tree.feature) for tree in self.trees)
 
 
+def unnamed(names):
+    """Whether the names of features are those of a model that was trained without any."""
+    return names == [f"x{index}" for index in range(len(names))]
+
+
 def _dump(value):
     return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
@@ -118,7 +124,7 @@ def _pairs(pairs):
     found = dict(pairs)
     if len(found) < len(pairs):
         names = [name for name, _ in pairs]
-        raise ValueError(f"{next(name for name in names if names.count(name) > 1)!r} stands there twice")
+        raise ValueError(f"{next(name for name in names if names.count(name) > 1)!r:.40} stands there twice")
     return found
 
 
@@ -155,7 +161,7 @@ def _check_keys(value, place, needed, optional=()):
             raise ValueError(f"{place} has no {name}")
     for name in value:
         if name not in (*needed, *optional):
-            raise ValueError(f"{place} has a key {name!r}, which version {VERSION} does not know")
+            raise ValueError(f"{place} has a key {name!r:.40}, which version {VERSION} does not know")
 
 
 def _check_list(value, place, most=None):
@@ -178,6 +184,17 @@ def _check_classes(classes):
     kinds = {type(label) for label in _check_list(classes, "classes", MAX_CLASSES)}
     if len(kinds) > 1 or not kinds <= {bool, int, float, str}:
         raise ValueError("classes must be labels of one kind: integers, floats, strings or true and false")
+    low, high = min(classes), max(classes)
+    if kinds == {int} and not (low >= -(1 << 63) and high < 1 << (63 if low < 0 else 64)):
+        raise ValueError(f"classes: {low!r:.40} to {high!r:.40} must be integers of 64 bits")
+    if kinds == {float} and not -np.inf < low <= high < np.inf:
+        raise ValueError("classes must be finite")
+    if kinds == {str}:
+        for label in classes:
+            if len(label) > MAX_LABEL or label.endswith("\0"):
+                raise ValueError(
+                    f"classes: {label!r:.40} has more than {MAX_LABEL} characters or ends in \\0"
+                )
     if len(set(classes)) < len(classes):
         again = next(label for index, label in enumerate(classes) if label in classes[:index])
         raise ValueError(f"classes: {again!r:.40} stands there twice")
@@ -203,8 +220,8 @@ def _feature(value, place):
 
 
 def _leaves(rows, classes):
-    votes = np.empty((len(_check_list(rows, "leaves", 1 << 31)), classes), np.uint16)
-    for index, row in enumerate(rows):
+    votes = []
+    for index, row in enumerate(_check_list(rows, "leaves", 1 << 31)):
         place = f"leaf {index}"
         found = _integers(row, place, "class")
         if len(found) != classes:
@@ -215,8 +232,8 @@ def _leaves(rows, classes):
             or 2 * abs(found.sum() - ONE) > (classes if classes > 2 else 0)
         ):
             raise ValueError(f"{place}: its votes must lie in 0 .. {ONE} and add up to {ONE}")
-        votes[index] = found
-    return votes
+        votes.append(found.astype(np.uint16))
+    return np.stack(votes)
 
 
 def _tree(value, place, bounds, leaves):

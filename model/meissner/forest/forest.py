@@ -7,6 +7,7 @@
 meissner.forest.quantise makes q of the features.
 """
 
+from contextlib import suppress
 from os import PathLike
 from typing import Any, NamedTuple
 
@@ -132,14 +133,17 @@ class Forest:
             fraction or beyond 2**24 in a feature of integers.
         """
         names = [feature.name for feature in self.model.features]
-        if (columns := getattr(x, "columns", None)) is not None and names[0] != "x0":
-            columns = [*map(str, columns)]
+        columns = [*map(str, getattr(x, "columns", ()))]
+        if columns and (not file.unnamed(names) or set(names) & set(columns)):
             for name in names:
                 if name not in columns:
                     raise ValueError(f"the feature {name} is missing")
             if columns != names:
                 raise ValueError(f"the features must be {', '.join(names)} in this order")
-        x = np.asarray(x)
+        x = np.asarray(x.toarray() if hasattr(x, "toarray") else x)
+        if x.dtype == object:  # columns of several kinds
+            with suppress(TypeError, ValueError, OverflowError):
+                x = x.astype(np.float64)
         if x.dtype.kind not in "iufb":
             raise ValueError(f"the features must be numbers, not {x.dtype}")
         x = x[None] if x.ndim == 1 else x

@@ -6,6 +6,7 @@ from meissner.forest.quantise import SUM_ERROR, Raw, check, quantise
 from meissner.forest.sklearn import EXTRA
 
 _BESIDE = ("Identity", "Cast", "ZipMap")  # pass the features, or the results
+_DOMAINS = ("", "ai.onnx", "ai.onnx.ml")
 _BOOSTED = "boosted trees add margins, which is another vote than a forest's"
 _KNOWN = {
     *(
@@ -55,7 +56,7 @@ def _ensemble(graph):
     for node in graph.node:
         if node.op_type == "TreeEnsembleRegressor":
             raise ValueError(f"a {node.op_type} decides no class; {_BOOSTED}")
-        if node.op_type not in (*_BESIDE, "TreeEnsembleClassifier"):
+        if node.op_type not in (*_BESIDE, "TreeEnsembleClassifier") or node.domain not in _DOMAINS:
             raise ValueError(f"it computes {node.op_type}, which the core does not; export the forest alone")
     found = [node for node in graph.node if node.op_type == "TreeEnsembleClassifier"]
     if len(found) != 1:
@@ -63,7 +64,7 @@ def _ensemble(graph):
     makers = {name: node for node in graph.node for name in node.output}
     name = found[0].input[0]
     while name in makers:
-        node = makers[name]
+        node = makers.pop(name)  # a chain that comes back to itself ends too
         to = [each.i for each in node.attribute if each.name == "to"]
         if node.op_type == "ZipMap" or to not in ([], [onnx.TensorProto.FLOAT]):
             raise ValueError(f"it changes the features by {node.op_type} before the forest")
@@ -82,12 +83,18 @@ def of_model(model, integer=()):
     modes = found.get("nodes_modes", [])
     if other := sorted({*modes} - {b"BRANCH_LEQ", b"LEAF"}):
         raise ValueError(f"its nodes compare by {other[0].decode(errors='replace')}, not <=: {_BOOSTED}")
+    if found.get("classlabels_int64s") and found.get("classlabels_strings"):
+        raise ValueError("it has labels of two kinds")
     labels = found.get("classlabels_int64s") or [
         each.decode() for each in found.get("classlabels_strings", [])
     ]
     labels = [*map(int, labels)] if "classlabels_int64s" in found else labels
+    if len({*labels}) < len(labels):
+        raise ValueError("it has a label twice")
     trees = _trees(found, modes, len(labels))
-    [given] = [each for each in model.graph.input if each.name == name]
+    given = next((each for each in model.graph.input if each.name == name), None)
+    if given is None:
+        raise ValueError(f"its forest gets {name!r:.40}, which is no input of the file")
     sizes = [each.dim_value for each in given.type.tensor_type.shape.dim]
     used = max(int(tree.feature.max(initial=0)) for tree in trees) + 1
     features = sizes[1] if len(sizes) == 2 and sizes[1] else used

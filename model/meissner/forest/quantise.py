@@ -96,6 +96,7 @@ def _ranked(threshold, integer):
 
 def quantise(trees, classes, names, integer, source):
     """The Model of checked Raw ``trees``; ``integer``: names of features whose values pass as they are."""
+    integer = (integer,) if isinstance(integer, str) else integer or ()
     unknown = [name for name in integer if name not in names]
     if unknown:
         raise ValueError(f"the forest has no feature {unknown[0]!r}; it has {', '.join(names[:20])}")

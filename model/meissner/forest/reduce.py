@@ -123,8 +123,9 @@ class Reducer:
         inner = (below >= 0) & kept[below.clip(0)]
         used = np.zeros(len(table), bool)
         roots = self.forest.joined.roots[:trees]
-        alone = np.where(roots < 0, leaf_row[-1 - np.minimum(roots, -1)], cut_row[roots.clip(0)])
-        single = (roots < 0) | ~kept[roots.clip(0)]
+        at_root = lambda array, none: np.append(array, none)[roots.clip(0)]  # there may be no node at all
+        alone = np.where(roots < 0, leaf_row[-1 - np.minimum(roots, -1)], at_root(cut_row, 0))
+        single = (roots < 0) | ~at_root(kept, False)
         used[alone[single]] = True
         used[value[kept][~inner[kept]]] = True
         place = np.cumsum(used) - 1

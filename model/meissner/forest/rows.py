@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from meissner import files
+from meissner.forest.file import unnamed
 
 
 class Rows(NamedTuple):
@@ -38,7 +39,7 @@ def read(path, names, labelled=False):
         if head and x.ndim == 1:
             x = np.stack([x[name].astype(object) for name in head], 1)
     elif kind == ".csv":
-        head, x = _table(path, labelled)
+        head, x = _table(path, labelled, names)
         if labelled:
             x, y, head = x[:, :-1], x[:, -1], head and head[:-1]
     else:
@@ -51,8 +52,11 @@ def read(path, names, labelled=False):
     return Rows(_numbers(path, names, x[:, at]), y, taken)
 
 
-def _table(path, labelled):
-    """(header or None, cells) of a .csv file, whose last column may be texts if it is ``labelled``."""
+def _table(path, labelled, names):
+    """(header or None, cells) of a .csv file, whose last column may be texts if it is ``labelled``.
+
+    A header is a first line without numbers, or with a feature's name that is none; of numbers, if it has
+    all ``names``, or counts three columns or more from 0."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as text:  # a spreadsheet's byte order mark
             lines = [(number, line) for number, line in enumerate(csv.reader(text), 1) if line]
@@ -60,37 +64,46 @@ def _table(path, labelled):
         raise ValueError(f"{path} is not a table of numbers: {problem}") from None
     if not lines:
         raise ValueError(f"{path} has no rows")
-    head = [cell.strip() for cell in lines[0][1]]
-    head[0] = head[0].removeprefix("#").strip()  # as numpy.savetxt writes it
+    head = [*map(_plain, lines[0][1])]
     for number, line in lines:
         if len(line) != len(head):
             raise ValueError(f"{path}, line {number}: {len(line)} values are not {len(head)}")
-    named = not all(map(_is_number, head[:-1] if labelled else head))
-    body = [line for _, line in lines[named:]]
+    columns, plain = head[: len(head) - labelled], {*map(_plain, names)}
+    counted = len(columns) > 2 and columns == [*map(str, range(len(columns)))]
+    texts = [cell for cell in columns if not _is_number(cell)]
+    numbers = len(columns) - len(texts) - columns.count("")
+    named = counted or plain <= {*columns} or bool(plain & {*texts}) or (texts and not numbers)
+    body = [line for _, line in lines[bool(named) :]]
     return head if named else None, np.array(body, object).reshape(-1, len(head))
+
+
+def _plain(name):
+    """A name as a header shows it."""
+    return name.strip().removeprefix("#").strip()
 
 
 def _is_number(cell):
     try:
         float(cell or "nan")
-    except ValueError:
+    except (ValueError, TypeError):
         return False
     return True
 
 
 def _chosen(path, names, head, count):
     """(indices of the columns that are the features, how they were found)."""
-    if head and set(names) & set(head):
-        for name in names:
+    plain, head = [*map(_plain, names)], [*map(_plain, head or ())]
+    if set(plain) & set(head):
+        for name in plain:
             if head.count(name) != 1:
-                raise ValueError(
-                    f"{path}: the feature {name} is {'missing' if name not in head else 'there twice'}"
-                )
-        others = [name for name in head if name not in names]
-        return [head.index(name) for name in names], "by name" + f", not used: {', '.join(others)}" * bool(
-            others
-        )
-    if head and names[0] != "x0":  # the names of a model that was trained without any
+                how = "missing" if name not in head else "there twice"
+                raise ValueError(f"{path}: the feature {name} is {how}")
+            if plain.count(name) > 1:
+                raise ValueError(f"{path}: two features have the name {name}: give columns without names")
+        others = [name for name in head if name not in plain]
+        unused = f", not used: {', '.join(others)}" if others else ""
+        return [head.index(name) for name in plain], f"by name{unused}"
+    if head and not unnamed(names):
         raise ValueError(f"{path}: the feature {names[0]} is missing")
     if count != len(names):
         raise ValueError(
@@ -104,7 +117,7 @@ def _numbers(path, names, cells):
         return cells
     try:
         return np.where(cells == "", "nan", cells).astype(np.float64)
-    except ValueError:
+    except (ValueError, TypeError):
         row, column = next(at for at, cell in np.ndenumerate(cells) if not _is_number(cell))
         raise ValueError(
             f"{path}, row {row}: {names[column]} = {cells[row, column]!r} is not a number"

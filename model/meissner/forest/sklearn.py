@@ -8,6 +8,7 @@ from meissner.forest.quantise import Raw, check, quantise
 
 KINDS = ("RandomForestClassifier", "ExtraTreesClassifier", "DecisionTreeClassifier", "ExtraTreeClassifier")
 TAKEN = "RandomForestClassifier, ExtraTreesClassifier or DecisionTreeClassifier"
+OUTPUTS = "outputs; the core decides one class"
 EXTRA = "pip install 'meissner-touch[forest]'"
 RUNS_CODE = "a joblib or pickle file runs code when it is loaded: give --trust if you know who made it"
 
@@ -22,6 +23,12 @@ def read(path, trust=False):
     except ImportError:
         raise ValueError(f"it needs scikit-learn: {EXTRA}") from None
     return joblib.load(path)
+
+
+def no_forest(kind):
+    """The sentence for a model of another ``kind``."""
+    other = "; boosted trees add margins, which is another vote" if "Boost" in kind else ""
+    return ValueError(f"a {kind} is no forest that votes with probabilities: {TAKEN}{other}")
 
 
 def own(given, model):
@@ -48,15 +55,14 @@ def of_model(model, integer=()):
     """The Model of a fitted forest or tree; ``integer``: names of features, or True for all."""
     kind = type(model)
     if kind.__module__.split(".")[0] != "sklearn" or kind.__name__ not in KINDS:
-        other = "; boosted trees add margins, which is another vote" if "Boost" in kind.__name__ else ""
-        raise ValueError(f"a {kind.__name__} is no forest that votes with probabilities: {TAKEN}{other}")
+        raise no_forest(kind.__name__)
     forest = kind.__name__ in KINDS[:2]
     if not hasattr(model, "estimators_" if forest else "tree_"):
         raise ValueError(f"the {kind.__name__} is not fitted")
     import sklearn
 
     if model.n_outputs_ != 1:
-        raise ValueError(f"the {kind.__name__} has {model.n_outputs_} outputs; the core decides one class")
+        raise ValueError(f"the {kind.__name__} has {model.n_outputs_} {OUTPUTS}")
     features, classes = model.n_features_in_, np.asarray(model.classes_).tolist()
     trees = []
     for index, each in enumerate(model.estimators_ if forest else [model]):

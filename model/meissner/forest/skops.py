@@ -9,7 +9,9 @@ import zipfile
 import numpy as np
 
 from meissner.forest.quantise import Raw, check
-from meissner.forest.sklearn import EXTRA, of_model, own  # noqa: F401 - as of the other kinds of files
+from meissner.forest.sklearn import EXTRA, KINDS, OUTPUTS, no_forest
+from meissner.forest.sklearn import of_model as of_model  # as of the other kinds of files
+from meissner.forest.sklearn import own as own
 
 TREE = "sklearn.tree._tree.Tree"
 _STATE = {"max_depth", "node_count", "nodes", "values"}
@@ -49,12 +51,15 @@ def _check_trees(data):
     """Raise ValueError unless each Tree that skops would make has fitting numbers."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         schema = json.loads(archive.read("schema.json"))
+        whole, module = schema["__class__"], schema["__module__"]
+        if whole not in KINDS and module.split(".")[0] == "sklearn":
+            raise no_forest(whole)
         parts, number = {}, 0  # of trees, by the numbers of objects
         for node in _nodes(schema):
             named = node.get("__class__"), node.get("__module__")
             if node.get("__loader__") == "TreeNode" or named == ("Tree", "sklearn.tree._tree"):
                 try:
-                    tree = _tree(node, archive)
+                    tree = _tree(node, archive, number)
                 except (KeyError, TypeError, AttributeError):
                     raise ValueError(f"tree {number} of the file is not as skops writes it") from None
                 check(*tree, f"tree {number} of the file")
@@ -66,7 +71,7 @@ def _check_trees(data):
                 raise ValueError(f"a part of a tree and another object have the number {node['__id__']}")
 
 
-def _tree(node, archive):
+def _tree(node, archive, number):
     """(Raw, features, classes) of an object of the schema; its errors are those of another form."""
     from sklearn.tree._tree import NODE_DTYPE
 
@@ -87,6 +92,8 @@ def _tree(node, archive):
         raise TypeError
     features, classes, outputs = args["content"]
     features, classes, outputs = whole(features), array(classes), whole(outputs)
+    if outputs > 1:
+        raise ValueError(f"tree {number} of the file has {outputs} {OUTPUTS}")
     count, nodes, values = (state["content"][name] for name in ("node_count", "nodes", "values"))
     count, nodes, values = whole(count), array(nodes), array(values)
     whole(state["content"]["max_depth"])

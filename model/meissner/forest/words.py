@@ -31,15 +31,22 @@ class Words(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """What the engines get in each column: feature ``source``, or ``missing`` if its value is missing."""
+    """What the engines get in each column: feature ``source``, or ``missing`` if its value is missing; None:
+    no value may be."""
 
     source: NDArray[np.int64]
-    missing: NDArray[np.int64]
+    missing: NDArray[np.int64] | None = None
 
     def of(self, q, missing):
-        """The columns [rows, columns] of what Forest.quantise returns."""
+        """The columns [rows, columns] of what Forest.quantise returns; ValueError for a missing value that
+        they do not show."""
         columns = q[:, self.source]
-        return columns if missing is None else np.where(missing[:, self.source], self.missing, columns)
+        if missing is None:
+            return columns
+        if self.missing is None:
+            row, feature = np.argwhere(missing)[0]
+            raise ValueError(f"row {row}: feature {feature} is NaN, and the core has no column for that")
+        return np.where(missing[:, self.source], self.missing, columns)
 
 
 def fits(thresholds) -> bool:
@@ -59,14 +66,20 @@ def check(model: Model) -> None:
             raise ValueError(f"tree {index}: a threshold does not fit {bits}; export that feature as a float")
 
 
-def without_missing(model: Model) -> tuple[Model, Inputs]:
+def without_missing(model: Model, room: int | None = None) -> tuple[Model, Inputs]:
     """The same decisions without missing_left, which a word has no bit for. A column per feature and side on
-    which its missing values go: in one they are below every threshold, in the other above."""
+    which its missing values go: in one they are below every threshold, in the other above.
+
+    ``room``: the number of columns that there are; if it is another one, or if those needed are more than a
+    word can number, a column per feature, without missing values."""
+    every = np.arange(len(model.features))
+    whole = replace(model, trees=[replace(tree, missing_left=None) for tree in model.trees]), Inputs(every)
     if model.trees[0].missing_left is None:
-        every = np.arange(len(model.features))
-        return model, Inputs(every, every * 0)
+        return whole
     keys = [2 * tree.feature + tree.missing_left for tree in model.trees]
     columns = np.unique(np.concatenate(keys)) if model.nodes else np.zeros(1, np.int64)
+    if len(columns) > FEATURES if room is None else len(columns) != room:
+        return whole
     ranked = [model.features[key // 2].thresholds for key in columns]
     low = np.array([-THRESHOLD_LIMIT if each is None else 0 for each in ranked], np.int64)
     high = np.array([THRESHOLD_LIMIT - 1 if each is None else len(each) + 1 for each in ranked], np.int64)

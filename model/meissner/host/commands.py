@@ -92,10 +92,9 @@ def _calibrate(core: "Core", lines: calibration.Calibration, path: str, say: Cal
 
 
 def _plant(core: "Core", model: "Model", path: str, say: Callable[[str], object]) -> None:
-    from meissner.forest import words
     from meissner.host.forest import check, load
 
-    check(core, words.without_missing(model)[0])
+    check(core, model)
     say(f"writing the forest of {len(model.trees)} trees, {model.nodes} nodes, in {path} into the core")
     load(core, model)
     say("the core decides by this forest")
@@ -207,7 +206,7 @@ def shown(scene: Any, arguments: Namespace) -> Iterator[Callable[[Path], None]]:
 
     pipe = simulated.of_scenes([scene], seed=arguments.seed)
     with Core(Pipe(pipe, scene.name), pipe.units, say=_tell) as core:
-        source = web.OfCore(core, scene.name)
+        source = web.OfCore(core, pipe.title)
         say = _tell if arguments.json else _print
         with web.beside(source, _port(arguments), say) as stay:
 

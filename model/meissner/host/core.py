@@ -205,7 +205,7 @@ class Core:
         Raises
         ------
         ValueError
-            If the display has another size, or a level is out of range.
+            If the display has another size, or a level is out of range or no whole number.
         """
         found = np.asarray(levels)
         size = tuple(self[f"display.size.{side}"] for side in ("rows", "columns"))
@@ -213,8 +213,12 @@ class Core:
             raise ValueError(
                 f"a frame of {found.shape} does not fit the display: it has {size[0]} x {size[1]} pins"
             )
-        for word in display.words(found):
-            self["display.levels"] = word
+        for _ in range(1 + self.retries):  # a word that was sent twice makes a frame too long: it is dropped
+            sent = self.counts.retries
+            for word in display.words(found):
+                self["display.levels"] = word
+            if self.counts.retries == sent:
+                break
 
     def __getitem__(self, name: str) -> int:
         place = self._place(name)

@@ -8,8 +8,8 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meissner.builds.features.forest import Size, size_of
 from meissner.forest import place, words
+from meissner.forest.cost import Size, size_of
 from meissner.forest.file import Model
 from meissner.forest.forest import Forest, ForestResult
 from meissner.host.core import Core
@@ -31,8 +31,7 @@ def load(core: Core, model: Model) -> None:
     OSError
         If the core is reset again and again meanwhile, or does not answer.
     """
-    model = words.without_missing(model)[0]
-    check(core, model)
+    given, model = model, check(core, model)
     core.forget(WHAT)
     rows = _rows(core, model)
     for _ in range(TRIES):
@@ -41,17 +40,24 @@ def load(core: Core, model: Model) -> None:
             break
     else:
         raise OSError("the core was reset, or lost writes, in each attempt to write its forest")
-    core.keep(WHAT, lambda: load(core, model))
+    core.keep(WHAT, lambda: load(core, given))
 
 
-def check(core: Core, model: Model) -> None:
-    """Raise ValueError with one sentence if ``core`` has no room for ``model``."""
+def columns(core: Core, model: Model) -> tuple[Model, words.Inputs]:
+    """The forest and its inputs as ``core`` takes them: in a frame no value is missing."""
+    frames, features = (core[f"forest.size.{key}"] for key in ("frames", "features"))
+    return words.without_missing(model, 0 if frames else features)
+
+
+def check(core: Core, model: Model) -> Model:
+    """``model`` as ``core`` takes it; ValueError with one sentence if the core has no room for it."""
     if not core.registers:
         raise ValueError("this core is only listened to: a forest is loaded over its registers")
     if "forest" not in core.features:
         raise ValueError("this core is built without a forest: [forest] in its configuration")
     if core["forest.size.frames"] and any(each.thresholds is not None for each in model.features):
         raise ValueError("this core makes its rows from frames, which are integers: export --integer all")
+    model = columns(core, model)[0]
     room = Size(
         features=core["forest.size.features"],
         classes=core["forest.room.classes"],
@@ -60,12 +66,14 @@ def check(core: Core, model: Model) -> None:
         leaves=core["forest.leaves"] or 1,
         bits=core["forest.size.bits"],
     )
+    words.check(model)
     need = size_of(model, max(1, core["forest.size.engines"]))
     for name, least in vars(need).items():
         there = getattr(room, name)
         if least != there if name in ("features", "classes") else least > there:
             of = " for an engine" if name in ("trees", "nodes") else ""
             raise ValueError(f"the forest needs {least} {name}{of} but the core has {there}")
+    return model
 
 
 def _rows(core: Core, model: Model) -> list[Row]:
@@ -122,7 +130,7 @@ def decide(core: Core, forest: Forest, x: ArrayLike) -> ForestResult:
     if core["forest.size.frames"]:
         raise ValueError("this core makes its rows from frames: source = 'host' in its configuration")
     q, missing = forest.quantise(x)
-    q = words.without_missing(forest.model)[1].of(q, missing)
+    q = columns(core, forest.model)[1].of(q, missing)
     votes = np.zeros((len(q), len(forest.classes_)), np.int64)
     for row, values in enumerate(q.tolist()):
         for index, value in enumerate(values):

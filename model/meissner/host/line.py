@@ -11,8 +11,10 @@ import os
 import select
 import termios
 import time
+import tomllib
 import tty
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 from urllib.parse import parse_qs
@@ -195,7 +197,27 @@ def open_line(url: str, baud: int | None = None) -> Line:
             return Pipe(CoreOnPins(build, shown(build)), url)
     except OSError as problem:
         raise ValueError(f"{path} cannot be opened: {problem.strerror or problem}") from None
-    raise ValueError(
-        f"{url!r} is not a line; the lines are serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, "
-        "file:capture.bin, sim:SCENE and core:CONFIG"
-    )
+    raise ValueError(f"{url!r} is not a line; {_meant(url)}")
+
+
+def _meant(text: str) -> str:
+    """What was perhaps meant by a text that is no line, or else the lines there are."""
+    from meissner import scenes
+    from meissner.builds import config
+
+    kind = Path(text).suffix
+    with suppress(OSError, ValueError):
+        table = tomllib.loads(Path(text).read_text("utf-8")) if kind == ".toml" else {}
+        if isinstance(table.get("sensor"), str) or text in scenes.names():  # a configuration has [sensor]
+            return f"it is a scene, which sim:{text} plays"
+    if kind == ".toml" or text in config.names():
+        return (
+            f"it is a configuration: core:{text} simulates it; of a core that was built with it, name the "
+            f"port (`meissner ports` lists them) and give --config {text}"
+        )
+    if kind in (".mcap", ".npz"):
+        return f"it is a log, which `meissner replay {text}` plays"
+    if Path(text).is_file():
+        return f"a recorded line is file:{text}"
+    known = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE and core:CONFIG"
+    return f"the lines are {known}"

@@ -45,7 +45,7 @@ from meissner.host.table import COLUMNS, Facts, NpzLog, Table, read_rows
 from meissner.host.unfinished_log import UnfinishedLog, part_of
 
 if TYPE_CHECKING:
-    from meissner.host.simulated import Trace
+    from meissner.host.sensors import Pins, Trace
 
 FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress less
 
@@ -105,8 +105,8 @@ class Log:
             self._stamps.moved = False
             self._writer.tell(self.facts())
 
-    def add(self, item: "packets.Item | Trace") -> None:
-        for stamp, one in self._stamps.next(cast("packets.Item", item)):  # a Trace has boot and time, too
+    def add(self, item: "packets.Item | Trace | Pins") -> None:
+        for stamp, one in self._stamps.next(cast("packets.Item", item)):  # these have boot and time, too
             self._tell()
             self._writer.add(stamp, one)
         self.packets += 1

@@ -1,84 +1,25 @@
-"""A core without hardware: docs/link.md, built from the twins of registers, bridge, packets and slip.
+"""A core without hardware: docs/link.md, built from the twins of registers, bridge, packets and slip."""
 
-A source is a function that takes the core and yields (time in clocks, type, payload) in ascending time; the
-type None only advances the time. It may read the core's registers, which change at ``core.boundary``.
-"""
-
-import heapq
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import count
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from meissner import engines, scenes
-from meissner.arrays import Ints
+from meissner import scenes
 from meissner.builds import units
-from meissner.host import names, packets
-from meissner.inputs import check_forces
+from meissner.host import names
+from meissner.host.sensors import Pins, Sent, Source, Trace, driven, statistics_source, together
+from meissner.scenes import played
 from meissner.twins.link import bridge, cobs
 from meissner.twins.link import packet as p
 from meissner.twins.link.registers import Registers, reset_word
 from meissner.twins.slip.config import SAMPLE_BITS, SWITCHES, TIMER_BITS, SlipConfig
-from meissner.twins.slip.peak_to_peak import PeakToPeak
-from meissner.twins.slip.slip import Slip, State
-from meissner.twins.slip.slip_changes import SlipChanges
-from meissner.twins.slip.slip_path import details
+from meissner.twins.slip.slip import State
 
 CLK_KHZ = 25_000
-STATISTIC_CLOCKS = 1 << 20
-TRACE_HZ, TRACED = 500, 16  # spans of a Trace in a second, its channels
 LATE_S = 0.1  # that a read may spend catching up before it slows the clock
-BLOCK = 64  # details between two looks at the registers
 SHOWN = "acrylic_slip+walk_25x5"
-SLIPS = (State.INCIPIENT, State.GROSS)
-
-
-Sent = tuple[int, int | None, bytes]
-Source = Callable[["SimulatedCore"], Iterator[Sent]]
-
-
-@dataclass(frozen=True)
-class Trace(packets.OfBoot):
-    """Of a core in this process, whose samples no line carries: codes and peak-to-peak of some channels, each
-    number of a span of ``step_s``, the first from ``time`` on.
-
-    ``low``, ``high``: least and greatest sample; ``p2p``: greatest peak-to-peak; each [channels, spans],
-    the first of ``first``.
-    """
-
-    time: int
-    time_s: float | None
-    step_s: float
-    first: int
-    low: NDArray[np.float32]
-    high: NDArray[np.float32]
-    p2p: NDArray[np.float32]
-
-
-def traced(
-    clk_khz: int, rate_hz: float, start: int, codes: Ints, p2p: Ints, most_hz: float = TRACE_HZ
-) -> Trace:
-    """The Trace of codes and peak-to-peaks [channels, whole details] from sample ``start`` on, with at most
-    ``most_hz`` spans in a second, if as many details make whole spans."""
-    count, details = codes.shape[1], p2p.shape[1]
-    spans = details
-    while spans % 2 == 0 and rate_hz * spans / count > most_hz:
-        spans //= 2
-    parts = [array[:TRACED].reshape(min(TRACED, len(array)), spans, -1) for array in (codes, codes, p2p)]
-    low, high, most = (pick(part, axis=2) for pick, part in zip((np.min, np.max, np.max), parts))
-    seconds = start / rate_hz
-    return Trace(
-        round(1000 * clk_khz * seconds),
-        seconds,
-        count / spans / rate_hz,
-        0,
-        *(array.astype(np.float32) for array in (low, high, most)),
-    )
 
 
 class SimulatedCore:
@@ -101,7 +42,7 @@ class SimulatedCore:
     ) -> None:
         taxels = size[0] * size[1]
         widths = {"detail": SAMPLE_BITS + level, "timer": TIMER_BITS, "offset": 17}
-        widths["load"] = 16 + (taxels - 1).bit_length()
+        widths["load"] = min(32, 16 + (taxels - 1).bit_length())  # of the map
         self.level = level
         self.registers = Registers(features, reset_word(settings or {}, widths), widths)
         self.clk_khz, self.speed = clk_khz, speed
@@ -113,7 +54,10 @@ class SimulatedCore:
             ("core", "lanes", "value"): 1,
         }
         self.units = units.Units()  # what a host should know about this core
-        self.traces: deque[Trace] = deque(maxlen=64)  # those not taken yet
+        self.beside: deque[Trace | Pins] = deque(maxlen=64)  # what no line carries, until it is taken
+        self.obeys: set[str] | None = None  # settings that the source follows; None: any
+        self.title = "a simulated core"
+        self.channels = 1  # with a state, before a source says how many
         self._make = source if callable(source) else lambda core: iter(source)
         self.restart()
 
@@ -124,7 +68,7 @@ class SimulatedCore:
         self._next: Sent | None = None
         self._out, self._in, self._number = bytearray(), bytearray(), 0
         self._began, self._now = time.monotonic(), 0
-        self.rejected, self.states = 0, [0]
+        self.rejected, self.states, self.first = 0, [0] * self.channels, 0
 
     @property
     def now(self) -> int:
@@ -174,8 +118,20 @@ class SimulatedCore:
             status = bridge.BUS_ERROR if error else bridge.DONE
             self.say(p.ANSWER, self.now, bridge.answer(tag, status, address, word))
             if ("link", "states", "value") in pulses:
-                for payload in p.states(self.states):
+                for payload in p.states(self.states, self.first) if self.states else ():
                     self.say(p.STATES, self.now, payload)
+
+    def put(self, name: str, value: int) -> None:
+        """Write a register of one field, as a host does."""
+        place = names.place(name)
+        self.registers.access(True, place.address, place.into(0, value))
+
+    def report(self, name: str, value: int) -> None:
+        """What a status register or one of its fields reads from now on."""
+        place = names.place(name)
+        for each in [place.field] if place.field else place.register.fields:
+            bits = value if place.field else value >> each.low & each.most
+            self.status[place.group.name, place.register.name, each.name] = bits
 
     @property
     def events(self) -> int:
@@ -195,95 +151,9 @@ class SimulatedCore:
         return SlipConfig(level=self.level, window=window, hop=hop, **values)
 
 
-def settings_of(config: SlipConfig) -> dict[str, int]:
-    """{name: value} of the group slip's registers for a SlipConfig."""
-    return {f"slip.{name}": value for name, value in config.settings.items()}
-
-
-def blocks_of(codes: ArrayLike, level: int = 1, loop: bool = False) -> Iterator[Ints]:
-    """Codes [channels, samples] as blocks of whole details, once or repeated endlessly."""
-    codes, step = np.atleast_2d(codes), BLOCK << level
-    usable = codes.shape[1] >> level << level
-    for _ in count() if loop else (0,):
-        for start in range(0, usable, step):
-            yield codes[:, start : min(start + step, usable)]
-
-
-def slip_source(blocks: Iterable[Ints], rate_hz: float, window: int = 64, hop: int = 64) -> Source:
-    """Blocks of codes [channels, whole details] through the slip path's twins: a packet for each change.
-
-    The settings come from the core's registers, read before each block; ``blocks`` may be a generator.
-    """
-
-    def source(core: SimulatedCore) -> Iterator[Sent]:
-        level = core.level
-        clocks, group = 1000 * core.clk_khz / rate_hz, 1 << level
-        spans: PeakToPeak | None = None
-        done = 0
-        for codes in blocks:
-            core.boundary()
-            config = core.slip_config(window, hop)
-            if spans is None:
-                spans = PeakToPeak(len(codes), window // group, hop // group)
-                twin, last = Slip(len(codes), config), np.zeros((len(codes), 1), dtype=int)
-                changes, before = SlipChanges(len(codes)), codes[:, :0]
-                core.states = changes.now
-            twin.config, changes.events = config, core.events
-            detail, total = details(np.concatenate([before, codes], axis=1), config, start=before.shape[1])
-            before = codes
-            p2p, _ = spans.next(detail)
-            state = twin.next(p2p, total)
-            earlier, last = np.concatenate([last, state[:, :-1]], axis=1), state[:, -1:]
-            starts = np.isin(state, SLIPS) & ~np.isin(earlier, SLIPS)
-            for k, channel in np.argwhere((state != earlier).T).tolist():
-                change = changes.next(channel, state[channel, k], starts[channel, k])
-                if change:
-                    at = int((done + group * (k + 1) - 1) * clocks)  # time of the sample that decided
-                    yield at, *p.change_of(channel, int(p2p[channel, k]), change)
-            core.traces.append(traced(core.clk_khz, rate_hz, done, codes, p2p))
-            done += codes.shape[1]
-            yield int(done * clocks), None, b""
-
-    return source
-
-
-def array_source(
-    forces: ArrayLike, rate_hz: float, min_load: int = 1, image_every: int = 1, loop: bool = False
-) -> Source:
-    """Frames of forces [frames, rows, columns] through the CoP twin: their CoP and images."""
-    forces = check_forces(forces)
-    found = engines.process_cop(forces, "fixed", min_load)
-
-    def source(core: SimulatedCore) -> Iterator[Sent]:
-        clocks = 1000 * core.clk_khz / rate_hz
-        for turn in count() if loop else (0,):
-            for k, frame in enumerate(forces):
-                place = turn * len(forces) + k
-                at = int(place * clocks)
-                x, y, load, pressed = (int(found[name][k]) for name in ("x", "y", "sum", "valid"))
-                yield at, p.COP, p.cop_frame(x, y, load, pressed)
-                if place % image_every == 0:
-                    for part in p.image_chunks(place // image_every, frame.ravel().tolist()):
-                        yield at, p.IMAGE, part
-
-    return source
-
-
-def statistics_source(core: SimulatedCore) -> Iterator[Sent]:
-    """The core's counters in turn, endlessly; here all but the rejected commands stay 0."""
-    for turn in count():
-        name = p.COUNTERS[turn % len(p.COUNTERS)]
-        value = core.rejected if name == "commands rejected" else 0
-        yield (turn + 1) * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(turn % len(p.COUNTERS), value)
-
-
-def together(*sources: Source) -> Source:
-    """The packets of all sources in order of time, until the last source ends."""
-    return lambda core: heapq.merge(*(source(core) for source in sources), key=lambda item: item[0])
-
-
 def of_scenes(which: str | Sequence[Any] = SHOWN, speed: str = "1", seed: int = 1) -> SimulatedCore:
-    """A core whose sensors play slip and array scenes in a loop; ``which``: names joined by +, or scenes."""
+    """A core whose sensors play scenes in a loop; ``which``: names joined by +, or scenes. ``title`` says how
+    much more slowly than in truth a short one is played."""
     try:
         rate = float(speed)
         if not 0 < rate < float("inf"):
@@ -292,28 +162,27 @@ def of_scenes(which: str | Sequence[Any] = SHOWN, speed: str = "1", seed: int = 
         raise ValueError(f"speed = {speed} must be a number above 0") from None
     sources: list[Source] = [statistics_source]
     settings: dict[str, int] = {}
-    size, known, level = (1, 1), units.Units(), 1
+    status: dict[str, int] = {}
+    obeys: set[str] = set()
+    titles = []
+    size, known, level, unknown = (1, 1), units.Units(), 1, vars(units.Units())
     found: Sequence[Any] = which or SHOWN
     for scene in map(scenes.load, found.split("+")) if isinstance(found, str) else found:
-        if scene.sensor == "rubber":
-            config = scene.slip_config()
-            recording = scenes.simulate(scene, 0, seed)
-            blocks = blocks_of(recording.codes, config.level, loop=True)
-            sources.append(slip_source(blocks, scene.rate_hz, config.window, config.hop))
-            level = config.level
-            settings |= settings_of(config)
-            known = replace(units.of_scene(scene), newtons_per_code=known.newtons_per_code)
-        elif scene.sensor == "array":
-            recording = scenes.simulate(scene)
-            every = max(1, round(scene.rate_hz / 25))
-            sources.append(array_source(recording.codes, scene.rate_hz, scene.min_load, every, loop=True))
-            size = (scene.rows, scene.columns)
-            settings["cop.min_load"] = scene.min_load
-            known = replace(known, newtons_per_code=scene.load_lsb)
-        else:
-            raise ValueError(
-                f"scene {scene.name} has neither a rubber sensor nor an array, so it gives no packets"
-            )
+        parts, slow = played.parts(scene, seed)
+        titles.append(scene.name + (f", {slow:.3g} times more slowly" if slow > 1 else ""))
+        for part in parts:
+            one = driven(part)
+            sources.append(one.source)
+            settings |= one.settings
+            status |= one.status
+            obeys |= one.obeys
+            size, level = max(size, one.size, key=lambda each: each[0] * each[1]), one.level or level
+            own = {name: value for name, value in vars(part.units).items() if value != unknown[name]}
+            known = replace(known, **own)
     core = SimulatedCore(together(*sources), settings=settings, size=size, speed=rate, level=level)
-    core.units = known
+    core.units, core.obeys, core.title = known, obeys, " + ".join(titles)
+    core.channels = any(name.startswith(("slip.", "cop_slip.")) for name in obeys)
+    core.restart()
+    for name, value in status.items():
+        core.report(name, value)
     return core

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from meissner.host import packets
 from meissner.host.core import Core, NoAnswer
 from meissner.host.names import place
+from meissner.twins.actuate.pin_display import PHASE_BITS
 from meissner.twins.actuate.render import Render, RenderSettings
 from meissner.twins.core import OF_LOAD
 from meissner.twins.slip.slip import State
@@ -68,7 +69,9 @@ class Pins:
         self.render = Render(
             None, self.grid, self.bits, RenderSettings(core["display.floor"], core["display.step"])
         )
-        self.told = f"{pins} pins on" if running else "off"
+        hertz = core["display.increment"] * 1000 * (core.units.clk_khz or 0) / (1 << PHASE_BITS)
+        drive = f", {hertz:.3g} Hz" if hertz else ""
+        self.told = f"{pins} pin{'s' * (pins != 1)} on{drive}" if running else "off"
         self.told += ", a fault of the sensor" * fault + ", limited" * limited
 
     def levels(self, image: packets.Image | None) -> NDArray[Any] | None:
@@ -161,7 +164,10 @@ class View:
         else:
             late = ", late" if item.late else ""
             what = f"{channel}{state_name(item.before)} to {state_name(item.state)}{late}"
-        return f"{self._at(item)}{what}, peak-to-peak {self._p2p(item)}"
+        how = f", peak-to-peak {self._p2p(item)}"
+        if item.channel == OF_LOAD:  # it has the octant in its place
+            how = f", towards {45 * item.p2p}°" if item.state in SLIP_COLOURS else ""
+        return f"{self._at(item)}{what}{how}"
 
     def _p2p(self, item: packets.OfChannel) -> str:
         volts = "" if item.p2p_v is None else f", {1e3 * item.p2p_v:.1f} mV"

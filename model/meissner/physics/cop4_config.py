@@ -102,7 +102,13 @@ class Cop4Config:
         self, volts: NDArray[np.floating], rng: np.random.Generator | None = None
     ) -> NDArray[np.int64]:
         """Codes [samples, 4] of electrode voltages [samples, 4]; noise only with ``rng``."""
+        return self.converted(volts, rng)[0]
+
+    def converted(
+        self, volts: NDArray[np.floating], rng: np.random.Generator | None = None
+    ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """The same, and which are beyond the converter's range."""
         if self.difference_gain != 1:
             mean = (volts + volts[:, [2, 3, 0, 1]]) / 2
             volts = mean + self.difference_gain * (volts - mean)
-        return self.adc.convert(volts * self.gain, rng)[0]
+        return self.adc.convert(volts * self.gain, rng)

@@ -40,6 +40,7 @@ KINDS = dict.fromkeys((".csv", ".tsv", ".txt", ".dat", ".log"), _TEXT) | {
 LEAST_RISING = 4  # rows without names, from which a column in equal steps is taken for a time or an index
 UNEVEN = 0.5  # of the mean step: further off, a row is missing
 ROUNDED = 10  # steps off by the clock's resolution, from which times are rounded and not lost
+LONGEST = 40  # letters of a name in a sentence
 NAMED = 4  # names of columns that a sentence has room for
 
 
@@ -59,8 +60,10 @@ def table(path: str | PathLike[str], column: Sequence[str] = ()) -> Table:
     function = getattr(import_module(f"meissner.readers.{module}"), name)
     try:
         return function(path, tuple(column)) if kind in _CHOOSING else function(path)
-    except (MemoryError, PermissionError, FileNotFoundError):
+    except (PermissionError, FileNotFoundError):
         raise
+    except MemoryError:
+        raise ValueError(f"{path} would take more memory than this machine has") from None
     except Exception as problem:  # of any kind: a damaged file breaks its parser anywhere
         what = (str(problem).splitlines() or [""])[0] or type(problem).__name__
         if isinstance(problem, ValueError) and what.startswith(str(path)):
@@ -141,7 +144,9 @@ class Recording:
             )
         why = "volts" if self.unit else "numbers without a unit, taken as volts,"
         if volts_per_code is not None:
-            return np.floor(self.values / volts_per_code + 0.5), f"{why} to codes of {volts_per_code:g} V"
+            codes = np.floor(self.values / volts_per_code + 0.5)
+            ends = f", {codes.min():.9g} .. {codes.max():.9g}" if codes.size else ""
+            return codes, f"{why} to codes of {volts_per_code:g} V{ends}"
         assert converter is not None
         codes, over = converter.convert(self.values)
         clipped = f", {int(over.sum())} beyond its range cut to its ends" if over.any() else ""
@@ -201,7 +206,12 @@ def read(
         raise ValueError(f"rate = {rate:g} must be a number of samples per second above 0")
     column = column or ()
     found, name = table(path, column), str(path)
-    wanted = [] if found.topic else [part for entry in column for part in _parts(entry, found)]
+    wanted = [part for entry in column for part in _parts(entry, found)]
+    if found.topic:
+        topics = {name for one in found.columns for name in (one.name, one.name.split(".")[0])}
+        if other := [part for part in wanted if part not in topics]:
+            raise ValueError(f"{path} has no topic with numbers '{other[0]}'; without --column: {found.how}")
+        wanted = []
     channels, aside = _channels(name, found, wanted, samples_first)
     rate_hz, how_rate = _rate(name, found, [one for one, _ in aside if one.is_time], rate)
     given = None if unit is None else unit_of(unit)
@@ -224,7 +234,8 @@ def read(
     told = [f"{path}: {found.how}", f"{size} of {_listed(names)}"]
     if written := sorted({one for one in units if one}):
         told[1] += f" in {_listed(written)}{' as given' if given else ''}"
-    told += [f"{one.name} left out, {why}" for one, why in aside] + ([how_rate] if how_rate else [])
+    told += [f"{one.name or 'a column without a name'} left out, {why}" for one, why in aside]
+    told += [how_rate] if how_rate else []
     if shape is not None:
         values = _framed(name, values, shape)
     frames = shape is not None or found.frames
@@ -251,7 +262,8 @@ def taken(x: Any, samples_first: bool = False) -> Any:
 
 def _listed(names: Sequence[str]) -> str:
     rest = len(names) - NAMED
-    return ", ".join(name or "no unit" for name in names[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
+    first = ", ".join(name[:LONGEST] or "no name" for name in names[:NAMED])
+    return first + (f" and {rest} more" if rest > 0 else "")
 
 
 def _parts(entry: str, found: Table) -> list[str]:

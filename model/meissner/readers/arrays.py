@@ -4,7 +4,7 @@ import configparser
 import re
 import warnings
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,21 +14,34 @@ from numpy.typing import NDArray
 from meissner import files
 from meissner.readers.table import Column, Table, check_memory, column
 
+NAMED = 4  # arrays in a sentence
 _RATE = re.compile(r"(sampl\w*_?)?(rate|freq\w*)(_?hz)?|fs", re.I)
 
 
+def _fields(arrays: Mapping[str, tuple[Any, str]]) -> Iterator[tuple[str, NDArray[Any], str]]:
+    """(name, array, unit), those of a structured array or a struct field by field."""
+    for name, (array, unit) in arrays.items():
+        array = np.asarray(array)
+        if array.dtype.names is None:
+            yield name, array, unit
+        else:
+            one = array.reshape(-1)[0] if array.size == 1 else array
+            own = {f"{name}.{field}".lstrip("."): (one[field], unit) for field in array.dtype.names}
+            yield from _fields(own)
+
+
 def of_named(arrays: Mapping[str, tuple[Any, str]], how: str, longest: bool = True) -> Table:
-    """A Table of {name: (array, unit)}; a single number named like a rate is the rate.
+    """A Table of {name: (array, unit)}; a single number named like a rate is the rate, if it is the only one.
 
     ``longest``: two dimensions are turned so that the longer one is time.
     """
-    columns, rate = [], None
-    for name, (array, unit) in arrays.items():
-        array = np.asarray(array)
+    columns, rates, others = [], set(), []
+    for name, array, unit in _fields(arrays):
         if array.dtype.kind not in "iufbc":
+            others.append(f"{name} ({array.dtype})")
             continue
-        if array.size == 1 and _RATE.fullmatch(name):
-            rate = float(array.reshape(-1)[0].real)
+        if array.size == 1 and _RATE.fullmatch(re.split("[./]", name)[-1]):
+            rates.add(float(array.reshape(-1)[0].real))
             continue
         if array.ndim == 0 or (longest and array.size == 1):
             continue
@@ -37,7 +50,9 @@ def of_named(arrays: Mapping[str, tuple[Any, str]], how: str, longest: bool = Tr
                 array.ravel() if 1 in array.shape else array.T if array.shape[0] > array.shape[1] else array
             )
         columns.append(column(name, array, unit))
-    return Table(columns, how, rate)
+    if not columns and others:
+        how = f"{how} with {', '.join(others[:NAMED])}"
+    return Table(columns, how, rates.pop() if len(rates) == 1 else None)
 
 
 def npy(path: Path) -> Table:
@@ -45,13 +60,14 @@ def npy(path: Path) -> Table:
     if array is None:
         raise ValueError(f"{path} is not a .npy file of numbers")
     if array.dtype.names:
-        return of_named({name: (array[name], "") for name in array.dtype.names}, "a structured array")
+        return of_named({"": (array, "")}, "a structured array")
     return Table([Column("samples", "", array, named=False)], f"an array of {array.dtype}")
 
 
 def npz(path: Path, wanted: tuple[str, ...]) -> Table:
     """``wanted``: read only these, and a rate; numbers choose among all."""
-    chosen = {name.lower() for name in wanted} if not any(name.isdecimal() for name in wanted) else set()
+    parts = [part.strip().lower() for name in wanted for part in (name, *name.split(","))]
+    chosen = set() if any(part.isdecimal() for part in parts) else {*parts}
     names: list[str] = []
 
     def take(name: str, *_: object) -> bool:
@@ -77,11 +93,17 @@ def wav(path: Path) -> Table:
     from scipy.io import wavfile
 
     with warnings.catch_warnings(action="ignore"):  # about chunks that hold no samples
+        warnings.filterwarnings("error", "Reached EOF")
         rate, samples = wavfile.read(path)
-    channels = samples.reshape(len(samples), -1).T
+    channels = samples.reshape(len(samples), 1 if samples.ndim == 1 else -1).T
+    with path.open("rb") as file:
+        head = file.read(1 << 16).partition(b"fmt ")[2]
+    kind = str(samples.dtype)
+    if kind == "int32" and int.from_bytes(head[16:18], "little") == 3 * len(channels):
+        channels, kind = channels >> 8, "24 bits"  # SciPy puts the three bytes above an empty one
     columns = [Column(f"channel {k}", "", values) for k, values in enumerate(channels, 1)]
-    kind = f"audio, {len(channels)} channel{'s' * (len(channels) > 1)} of {samples.dtype} at {rate} Hz"
-    return Table(columns, kind, float(rate), audio=True)
+    how = f"audio, {len(channels)} channel{'s' * (len(channels) > 1)} of {kind} at {rate} Hz"
+    return Table(columns, how, float(rate), audio=True)
 
 
 def sigrok(path: Path) -> Table:
@@ -93,7 +115,7 @@ def sigrok(path: Path) -> Table:
             raise ValueError("it has no metadata")
         ini = configparser.RawConfigParser(strict=False, delimiters=("=",))
         ini.read_string(session.read("metadata").decode("utf-8"))
-        device = dict(ini[next(name for name in ini.sections() if name.startswith("device"))])
+        device = dict(next((ini[name] for name in ini.sections() if name.startswith("device")), {}))
         named = {int(key[6:]): name for key, name in device.items() if re.fullmatch(r"analog\d+", key)}
         parts: dict[int, list[tuple[int, str]]] = {}
         for name in sizes:
@@ -108,6 +130,8 @@ def sigrok(path: Path) -> Table:
             if [at for at, _ in chunks] != [*range(1, len(chunks) + 1)]:
                 raise ValueError(f"a part of channel {number} is missing")
             data = b"".join(session.read(name) for _, name in chunks)
+            if len(data) % 4:
+                raise ValueError(f"channel {number} ends within a number")
             values: NDArray[Any] = np.frombuffer(data, "<f4").astype(np.float64)
             columns.append(Column(named.get(number, f"analog {number}"), "V", values))
     rate = re.fullmatch(r"\s*([\d.]+)\s*([kMG]?)(Hz)?\s*", device.get("samplerate", ""))

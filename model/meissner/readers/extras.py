@@ -4,9 +4,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from meissner.readers.arrays import of_named
 from meissner.readers.messages import Collected
-from meissner.readers.table import Column, Table, unit_of
+from meissner.readers.table import Column, Table, check_memory, unit_of
+
+_MATLAB = ("double", "single", "logical", *(f"{u}int{n}" for u in ("", "u") for n in (8, 16, 32, 64)))
 
 
 def _library(path: Path, name: str) -> Any:
@@ -23,17 +27,22 @@ def _text(value: Any) -> str:
 
 
 def hdf5(path: Path) -> Table:
-    h5py, arrays, rates = _library(path, "h5py"), {}, {}
+    h5py, sets, rates = _library(path, "h5py"), {}, {}
 
     def visit(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and item.dtype.kind in "iufb":
-            unit = next((_text(item.attrs[key]) for key in ("unit", "units") if key in item.attrs), "")
-            arrays[name] = (item[()], unit)
-        rates.update({key: (value, "") for key, value in item.attrs.items() if "rate" in key.lower()})
+        text = _text(item.attrs.get("MATLAB_class", ""))  # whose letters are numbers, too
+        if isinstance(item, h5py.Dataset) and not name.startswith("#") and text in ("", *_MATLAB):
+            sets[name] = item
+        for key, value in item.attrs.items():
+            if not isinstance(value, h5py.Empty) and np.size(value) == 1:
+                rates[f"{name}/{key}"] = (value, "")
 
     with h5py.File(path) as file:
-        rates.update({key: (value, "") for key, value in file.attrs.items() if "rate" in key.lower()})
+        visit("", file)
         file.visititems(visit)
+        check_memory(path, sum(one.nbytes for one in sets.values()))
+        unit = lambda one: next((_text(one.attrs[key]) for key in ("unit", "units") if key in one.attrs), "")
+        arrays = {name: (one[()], unit(one)) for name, one in sets.items() if one.shape is not None}
     return of_named(rates | arrays, "HDF5")
 
 

@@ -1,6 +1,8 @@
 """Numbers in ROS 2 messages: an MCAP file, and bags whose messages a library has read."""
 
+import io
 from collections.abc import Iterator
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 
 from meissner.readers.table import Column, Table
 
-_SKIPPED = ("header", "layout", "stamp")
+_SKIPPED = ("header", "layout", "stamp", "seq")
 _IMAGES = {"mono8": "u1", "8UC1": "u1", "mono16": "u2", "16UC1": "u2", "16SC1": "i2", "32FC1": "f4"}
 
 
@@ -32,9 +34,26 @@ class Collected:
         for rank, name, values in _numbers(message):
             self.found.setdefault((rank, f"{topic}{name}"), []).append((own or stamp_ns, values))
 
+    def _numbers(self, chosen: list[tuple[int, str]]) -> Table:
+        """Single numbers that are named, a column each."""
+        rows = [self.found[key] for key in chosen]
+        time = np.array([[stamp for stamp, _ in each] for each in rows], np.int64)
+        if (time != time[0]).any():
+            raise ValueError(f"{self.path}: {', '.join(name for _, name in chosen[:8])} do not come together")
+        columns = [
+            Column(name, "", np.array([value for _, value in each])) for (_, name), each in zip(chosen, rows)
+        ]
+        stamps = Column("stamps", "s", (time[0] - time[0, 0]) * 1e-9)
+        topics = ", ".join(dict.fromkeys(name.split(".")[0] for _, name in chosen))
+        return Table([stamps, *columns], f"{self.how}, topic {topics}", topic=True)
+
     def table(self, wanted: tuple[str, ...]) -> Table:
         """The Table of the topic in ``wanted``, or of the only one with images or arrays."""
-        chosen = [key for key in self.found if key[1] in wanted or key[1].split(".")[0] in wanted]
+        wanted = tuple(part.strip() for entry in wanted for part in entry.split(","))
+        named = [key for part in wanted for key in self.found if part in (key[1], key[1].split(".")[0])]
+        chosen = [*dict.fromkeys(named)]
+        if wanted and {rank for rank, _ in chosen} == {3} and len({len(self.found[k]) for k in chosen}) == 1:
+            return self._numbers(chosen)
         if not chosen and self.found:
             best = min(rank for rank, _ in self.found)
             chosen = [key for key in self.found if key[0] == best]
@@ -80,6 +99,8 @@ def _numbers(message: Any, path: str = "") -> Iterator[tuple[int, str, NDArray[A
     for name in names:
         value = getattr(message, name)
         where = path if name == "data" else f"{path}.{name}"
+        if isinstance(value, bytes | bytearray | memoryview) and not {"format", "point_step"} & {*names}:
+            value = np.frombuffer(value, np.uint8)  # uint8[]: not of a compressed image or a cloud of points
         if isinstance(value, bool | np.bool_ | str | bytes):
             continue
         if isinstance(value, int | float | np.number):
@@ -104,10 +125,8 @@ def mcap(path: Path, wanted: tuple[str, ...]) -> Table:
     from mcap_ros2.decoder import DecoderFactory
 
     found, factory, other = Collected(path, "MCAP"), DecoderFactory(), set()
-    with path.open("rb") as file:
-        for schema, channel, message in make_reader(file, validate_crcs=True).iter_messages(
-            log_time_order=False
-        ):
+    with path.open("rb") as file, redirect_stdout(io.StringIO()):  # a parser prints what it does not know
+        for schema, channel, message in make_reader(file, validate_crcs=True).iter_messages():
             decode = factory.decoder_for(channel.message_encoding, schema)
             if decode is None:
                 other.add(f"{channel.topic} ({channel.message_encoding})")

@@ -14,11 +14,13 @@ VOLTS = {"V": 1.0, "mV": 1e3, "uV": 1e6, "kV": 1e-3}  # likewise
 _SAME = {"sec": "s", "second": "s", "seconds": "s", "millis": "ms", "micros": "us", "volt": "V", "volts": "V"}
 _SAME |= dict.fromkeys(("code", "codes", "count", "counts", "lsb", "raw", "adc", "digits"), "codes")
 _BRACKETS = re.compile(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*")
-_SUFFIX = re.compile(r"(.+)[ _](V|mV|uV)")
+_SUFFIX = re.compile(r"(.+?) ?[ _/] ?(V|mV|uV)")
+_UNITS = ("ms", "us", "µs", "millis", "micros", "seconds", "volts", "counts", "adc", "raw")  # as names
+LONGEST = 200  # letters of a name in which a unit is looked for
 _TIME = re.compile(
     r"(time|zeit|temps|tiempo|tempo|t|time[ _]?stamp|elapsed|millis|micros|trigger|date)", re.I
 )
-_TIME_SUFFIX = re.compile(rf"{_TIME.pattern}[ _](s|ms|us|ns)", re.I)
+_TIME_SUFFIX = re.compile(rf"{_TIME.pattern} ?[ _/] ?(s|ms|us|ns)", re.I)
 _INDEX = re.compile(
     r"(index|idx|sample|sample ?(#|no\.?|number)|n|no\.?|nr\.?|#|row|seq|sequence|counter|unnamed.*)?", re.I
 )
@@ -39,13 +41,18 @@ class Column:
         return self.values.ndim == 1 and self.values.dtype.kind in "iuf"
 
     @property
+    def _last(self) -> str:
+        """The name, without the group of a file or the struct that it is in; a topic's begins with "/"."""
+        return self.name if self.name.startswith("/") else re.split(r"[./](?=.)", self.name)[-1]
+
+    @property
     def is_time(self) -> bool:
-        return self._rows and bool(self.unit in TIMES or (self.named and _TIME.fullmatch(self.name)))
+        return self._rows and bool(self.unit in TIMES or (self.named and _TIME.fullmatch(self._last)))
 
     @property
     def is_index(self) -> bool:
         """A counter by its name, whose values rise by whole numbers."""
-        if not (self._rows and self.named and _INDEX.fullmatch(self.name)) or len(self.values) < 2:
+        if not (self._rows and self.named and _INDEX.fullmatch(self._last)) or len(self.values) < 2:
             return False
         steps = np.diff(self.values.astype(np.float64))
         return bool((steps > 0).all() and (steps == np.rint(steps)).all())
@@ -74,21 +81,12 @@ def column(name: str, values: NDArray[Any], unit: str = "", named: bool = True) 
     """A column whose unit may be part of its name: ``Time (ms)``, ``Channel A [V]``, ``t_us``."""
     name = name.strip()
     plain = name.replace("µ", "u").replace("μ", "u")
-    found = _BRACKETS.fullmatch(name) or _SUFFIX.fullmatch(plain) or _TIME_SUFFIX.fullmatch(plain)
+    found = len(name) < LONGEST and (
+        _BRACKETS.fullmatch(name) or _SUFFIX.fullmatch(plain) or _TIME_SUFFIX.fullmatch(plain)
+    )
     if found and not unit:
         name, unit = found[1], found[2]
-    if not unit and name.lower() in (
-        "ms",
-        "us",
-        "µs",
-        "millis",
-        "micros",
-        "seconds",
-        "volts",
-        "counts",
-        "adc",
-        "raw",
-    ):
+    if not unit and name.lower() in _UNITS:
         unit = name
     return Column(name, unit_of(unit), values, named)
 

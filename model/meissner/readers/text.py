@@ -15,11 +15,20 @@ COMMENTS = ("#", "%", "//")
 MOST = MAX_CHANNELS + 16  # columns: a time, an index and what a logger adds
 NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "space", "": "one column"}
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
-_LOOSE = re.compile(r"[+-]?[.,]?\d[\d.,]*([eE][+-]?\d+)?")  # with separators that have to be refused
+_LOOSE = re.compile(  # with separators that have to be refused; a date is text
+    r"(?!\d{1,2}\.\d{1,2}\.(\d\d){1,2}$|\d{4}\.\d\d?\.\d\d?$)[+-]?[.,]?\d[\d.,]*([eE][+-]?\d+)?"
+)
+# A number with a unit or a remark, with spaces between its thousands, or in hexadecimal.
+_NEARLY = re.compile(
+    r"[+-]?\d[\d.,]*(\s*[A-Za-zµμΩ%°]{1,3}|\s*(#|//).*|(['’\s]\d{3})+([.,]\d*)?)|[+-]?0x[\da-f]+", re.I
+)
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+_COMMAS = re.compile(r"([+-]?(\d+(,\d+)?|,\d+)([eE][+-]?\d+)?( +|$)){2,}")  # between spaces
+_MARKUP = re.compile(r"[][{}<>]")  # of JSON and pages
 _MISSING = re.compile(r"|[+-]?nan|n/?a|null|none|x|-+|[+-]?inf(inity)?|[+-]?∞", re.I)
 _STAMP = re.compile(r"(\d\d):(\d\d):(\d\d\.\d{3}) -> ?(.*)")  # of the Arduino IDE's monitor
-_LABEL = re.compile(r"([^\s:,;\d+-][^:,;\t]*):[ \t]*(?=[+-]?[.\d])")
-_RATE = re.compile(r"sampl\w* ?rate\W+([\d.eE+-]+) ?([kMG]?)(hz|s/s|sps)?", re.I)
+_LABEL = re.compile(r"(?<![^\s,;])([^\s:,;\d+-][^:,;\t]{0,60}):[ \t]*(?=[+-]?[.\d])")
+_RATE = re.compile(r"sampl\w{0,9} ?rate\W+([\d.eE+-]+) ?([kMG]?)(hz|s/s|sps)?", re.I)
 
 
 def table(path: Path) -> Table:
@@ -34,6 +43,10 @@ class _Text:
         lines = [(at, line.strip(" \r")) for at, line in enumerate(text.split("\n"), 1)]
         self.comments = [(at, line) for at, line in lines if line.startswith(COMMENTS)]
         self.lines = [(at, line) for at, line in lines if line.strip() and not line.startswith(COMMENTS)]
+        if self.lines and re.fullmatch(r'"?sep=.?"?', self.lines[0][1], re.I):  # of a spreadsheet
+            del self.lines[0]
+        while self.lines and not self.lines[-1][1].strip("\t,; "):
+            del self.lines[-1]  # empty cells below the table
         self.labels: list[str] = []
         self.stamps: NDArray[Any] | None = None
         if self.lines:
@@ -54,10 +67,13 @@ class _Text:
 
     def _unlabelled(self) -> None:
         """Take the labels of a serial plotter off: ``Light:512,Heat:23``."""
-        first, last = ([name.strip() for name in _LABEL.findall(self.lines[at][1])] for at in (0, -1))
-        if not first or first != last:  # as of a preamble
+        some = [self.lines[at][1] for at in (0, len(self.lines) // 2, -1)]
+        found = [[name.strip() for name in _LABEL.findall(line)] for line in some]
+        labels = max(found, key=found.count)  # a capture may begin and end within a line
+        rest = _LABEL.sub("", some[found.index(labels)])
+        if not labels or not all(_LOOSE.fullmatch(field) for field in _fields(rest, _mark(rest))):
             return
-        self.labels = first
+        self.labels = labels
         for at, line in self.lines:
             if [name.strip() for name in _LABEL.findall(line)] != self.labels:
                 self.refuse(f", line {at}: '{line[:40]}' has other labels than {', '.join(self.labels)}")
@@ -74,12 +90,14 @@ class _Text:
         self.data, self.count = data, len(_fields(data[0][1], mark))
         if self.count > MOST:
             self.refuse(f" has {self.count} columns, more than the core's {MAX_CHANNELS} channels")
+        if self.labels and len(self.labels) != self.count:
+            self.refuse(f", line {data[0][0]}: {self.count} values but the labels {', '.join(self.labels)}")
         self._check_rows()
         names, units = self._header(head)
         named = bool(names or self.labels)
         names = names or self.labels or [f"column {k}" for k in range(1, self.count + 1)]
         units = units or [""] * self.count
-        words = self._words()
+        words = self._words(names)
         rest = [k for k in range(self.count) if k not in words]
         if words or any('"' in line for _, line in self.data):  # what is left has neither text nor quotes
             rows = [(at, _fields(line, mark)) for at, line in self.data]
@@ -91,7 +109,7 @@ class _Text:
                 [units[k] for k in rest],
             )
         self.names = names
-        decimal = self._decimal()
+        decimal = self._decimal(mark)
         values = self._values(decimal)
         columns = [column(name, each, unit, named) for name, unit, each in zip(names, units, values)]
         if self.stamps is not None:
@@ -111,9 +129,12 @@ class _Text:
             if len(fields) > MOST:
                 self.refuse(f" has {len(fields)} columns, more than the core's {MAX_CHANNELS} channels")
             known = [bool(_LOOSE.fullmatch(field)) for field in fields]
+            if fields[1:] and fields == ["", *map(str, range(len(fields) - 1))]:
+                continue  # a header of pandas
             if any(known) and all(k or _MISSING.fullmatch(field) for k, field in zip(known, fields)):
                 return at
-            mixed = at if mixed is None and any(known) else mixed
+            if mixed is None and any(known) and not _MARKUP.search(line):
+                mixed = at
         if mixed is not None:
             return mixed
         if not self.lines:
@@ -121,10 +142,15 @@ class _Text:
         shown = " and ".join(f"line {at} is '{line[:40]}'" for at, line in self.lines[:2])
         self.refuse(f" holds no rows of numbers: {shown}")
 
-    def _words(self) -> list[int]:
-        """Places of columns of text, by the first row."""
-        fields = _fields(self.data[0][1], self.mark)
-        return [k for k, f in enumerate(fields) if not (_LOOSE.fullmatch(f) or _MISSING.fullmatch(f))]
+    def _words(self, names: list[str]) -> list[int]:
+        """Places of columns of text, by the first row; ValueError if one may be meant as numbers."""
+        at, line = self.data[0]
+        fields = _fields(line, self.mark)
+        found = [k for k, f in enumerate(fields) if not (_LOOSE.fullmatch(f) or _MISSING.fullmatch(f))]
+        for k in found:
+            if _NEARLY.fullmatch(fields[k]):
+                self.refuse(f", line {at}: {names[k]} is '{fields[k][:20]}', no number")
+        return found
 
     def _check_rows(self) -> None:
         """ValueError unless every row has as many values as the first."""
@@ -151,6 +177,8 @@ class _Text:
         units: list[str] = []
         for at, line in reversed(head):
             fields = _fields(line, self.mark if self.mark in line or self.mark == " " else _mark(line))
+            if len(fields) == self.count + 1 and not fields[-1]:
+                fields.pop()
             if len(fields) != self.count:
                 if len(fields) > 1 and self.mark != " ":
                     below = self.data[0][0]
@@ -167,8 +195,8 @@ class _Text:
             if not units and all(_is_unit(field) for field in fields):
                 units = [unit_of(field) for field in fields]
                 continue
-            timed = any(column(field, np.zeros(1)).is_time for field in fields)
-            if any(_LOOSE.fullmatch(field) for field in fields) and not timed:
+            timed = any(column(field, np.zeros(1)).is_time for field in fields) or {*units} & {*TIMES}
+            if any(_LOOSE.fullmatch(field) for field in fields) and fields[0] and not timed:
                 self.refuse(f", line {at}: '{line[:40]}' has text among numbers")
             return fields, units
         before = self.data[0][0]
@@ -177,8 +205,8 @@ class _Text:
             return fields, units  # as NumPy writes a header
         return [], units
 
-    def _decimal(self) -> str:
-        """The decimal sign of the numbers."""
+    def _decimal(self, mark: str) -> str:
+        """The decimal sign of the numbers; ``mark``: between the columns of the file."""
         if self.mark == ",":
             return "."
         with_comma = next(((at, line) for at, line in self.data if "," in line), None)
@@ -189,6 +217,13 @@ class _Text:
             self.refuse(
                 f": line {with_comma[0]}, '{with_comma[1][:30]}', has a comma and line {with_point[0]}, "
                 f"'{with_point[1][:30]}', a point; which of them is the decimal sign is not clear"
+            )
+        fields = [field for field in with_comma[1].split("\t") if "," in field]
+        every = (field for _, line in self.data for field in line.split("\t") if "," in field)
+        if mark == "," and all(map(_THOUSANDS.fullmatch, every)):
+            self.refuse(
+                f", line {with_comma[0]}: the comma of '{fields[0][:20]}' may be a decimal sign or stand "
+                "between thousands; write the numbers without it"
             )
         return ","
 
@@ -247,7 +282,8 @@ def _decoded(path: Path) -> str:
 
 def _mark(line: str) -> str:
     """What separates the values of a line; "" if there is one."""
-    return next((mark for mark in "\t;, " if mark in line.strip()), "")
+    found = next((mark for mark in "\t;, " if mark in line.strip()), "")
+    return " " if found == "," and _COMMAS.fullmatch(line.strip()) else found
 
 
 def _fields(line: str, mark: str) -> list[str]:

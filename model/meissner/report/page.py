@@ -29,7 +29,8 @@ img { display: block; max-width: 100%; height: auto; margin: 0 auto; }
 .zoom :checked + img { max-width: none; width: max(100%, 68rem); }
 .means { color: var(--soft); font-size: .9rem; margin: .4rem 0 0; padding: 0; list-style: none;
   columns: 2 24rem; }
-.rows { font-size: .93rem; } .means i { color: var(--ink); font-style: normal; }
+.rows { font-size: .93rem; } .rows td:first-child { min-width: 6.5rem; }
+.means i { color: var(--ink); font-style: normal; }
 .table { overflow-x: auto; } table { border-collapse: collapse; max-width: 100%; }
 th, td { padding: .25rem .8rem .25rem 0; text-align: left; vertical-align: top; font-weight: normal; }
 thead th { vertical-align: bottom; color: var(--soft); border-bottom: 2px solid var(--ink); }

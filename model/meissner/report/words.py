@@ -494,6 +494,6 @@ def fact(key, value):
     if key == "seed":
         return str(value)
     if key == "seeds":
-        return f"{value[0]} to {value[1]}"
+        return f"{value[0]} to {value[1]}" if value[0] != value[1] else str(value[0])
     space = "" if meaning.unit == "°" else " "
     return cell(key, value) + (space + meaning.unit if meaning.unit else "")

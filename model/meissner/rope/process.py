@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from meissner import engines, files, readers
+from meissner import engines, files
 from meissner.engines.features import function
 from meissner.forest import models
 from meissner.forest.process import decide as decide_rows
+from meissner.process import take
 from meissner.terminal import plain
 
 
@@ -35,7 +36,7 @@ def rope(arguments):
     """``meissner process rope``."""
     engines.load(arguments.engine)
     model, own = models.either(arguments.forest, trust=arguments.trust)
-    read = readers.read(arguments.input, arguments.column or (), unit=arguments.unit, samples_first=True)
+    read = take(arguments, samples_first=True)
     codes, done = read.flat().scaled(arguments.volts_per_code)
     x = engines.check_samples(codes)
     with files.results(arguments.out) as save:

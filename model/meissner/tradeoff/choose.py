@@ -4,12 +4,12 @@ Every measured point is filtered by the needs; only then the cheapest is taken. 
 is read off the front of the points with that converter and window.
 """
 
-import json
 import tempfile
 from pathlib import Path
 
 from meissner.builds import config
 from meissner.report.words import number
+from meissner.tables import toml
 from meissner.tradeoff import area, pareto
 from meissner.tradeoff.candidates import (
     AXIS,
@@ -24,19 +24,6 @@ from meissner.tradeoff.sweep import figure_of
 from meissner.tradeoff.table import named
 
 ASKED = 6  # distinct reasons of failed builds before it gives up
-
-
-def toml(found):
-    """Tables of numbers, strings and booleans as the text of a TOML file."""
-
-    def value(given):
-        return {True: "true", False: "false"}[given] if isinstance(given, bool) else json.dumps(given)
-
-    lines = [f"{key} = {value(given)}" for key, given in found.items() if not isinstance(given, dict)]
-    for name, table in found.items():
-        if isinstance(table, dict):
-            lines += ["", f"[{name}]", *(f"{key} = {value(given)}" for key, given in table.items())]
-    return "\n".join([*lines, ""])
 
 
 def broken(needs, row):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from meissner import pool
 from meissner.files import check_out, written
+from meissner.tables import toml
 from meissner.terminal import plain
 from meissner.tradeoff import sweep, table, worker
 from meissner.tradeoff.area import recorded
@@ -112,7 +113,7 @@ def choose(arguments):
     if arguments.out:
         check_out(arguments.out)
     row, _, lines = choose.chosen(needs, _results(arguments.sweep))
-    text = choose.toml(tables(needs, row))
+    text = toml(tables(needs, row))
     if arguments.out:
         with written(arguments.out) as file:
             file.write(text.encode())

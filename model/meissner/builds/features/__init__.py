@@ -2,7 +2,8 @@
 
 A module has Keys, the table; PARAMETERS of rtl/msn_core.sv; ``config(keys, base)``, which returns the
 feature's settings, with ``settings`` {register of the group of that name: value}; and ``check(base)``,
-ValueError if the build ``base`` (meissner.builds.build.Config) does not suit it.
+ValueError if the build ``base`` (meissner.builds.build.Config) does not suit it. If it limits the rate:
+``clocks(base)`` from frame to frame, and TAKES, what takes them.
 """
 
 from importlib import import_module

@@ -1,5 +1,6 @@
 """[display] of a build: a tactile display, from hertz, newtons, shares and seconds."""
 
+from math import ceil
 from typing import TYPE_CHECKING, Annotated
 
 from msgspec import Meta
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from meissner.builds.build import Config
 
 PARAMETERS = {"Display": 1}
+TAKES = "computing a frame"
+TICKS = 4000  # of a second
 Side = Annotated[int, Meta(ge=1, le=128)]
 Share = Annotated[float, Meta(ge=0, le=1)]
 
@@ -28,7 +31,7 @@ class Keys(Table, frozen=True):
     burst_s: NotNegative = 0.0
     burst_on_s: NotNegative = 0.0
     top: Annotated[int, Meta(ge=0, le=63)] = 63
-    most_pins: Annotated[int, Meta(ge=0, le=4095)] | None = None
+    most_pins: Annotated[int, Meta(ge=1, le=4095)] | None = None
     duty: Share = 0.5
     left_on_s: Annotated[float, Meta(ge=1.43, le=21.4)] = 5.0
     stop_s: Annotated[float, Meta(gt=0, le=16)] = 0.5
@@ -49,6 +52,8 @@ class Keys(Table, frozen=True):
             raise ValueError(f"columns = {self.columns} must make 2 pins or more")
         if self.burst_on_s > self.burst_s:
             raise ValueError(f"burst_on_s = {self.burst_on_s:g} must not be above burst_s = {self.burst_s:g}")
+        if self.burst_s and not self.burst_on_s:
+            raise ValueError(f"burst_on_s must be above 0 with burst_s = {self.burst_s:g}: no pin is ever on")
         for of in ("floor", "step"):
             if getattr(self, f"{of}_n") is not None and getattr(self, f"{of}_codes") is not None:
                 raise ValueError(f"{of}_n must go without {of}_codes")
@@ -59,30 +64,38 @@ def shape_of(base: "Config") -> tuple[int, int] | None:
     return None if base.kind == "electrodes" else base.shape
 
 
+def clocks(base: "Config") -> int:
+    return int(base.features["display"].render_of(shape_of(base)).clocks)
+
+
 def check(base: "Config") -> None:
     if base.kind == "channels" and base.channels < 2:
         raise ValueError("[display] must go with an array, two channels or more, or four electrodes")
     if base.serial:
         raise ValueError("[display] must go with serial = false")
-    clocks = base.features["display"].render_of(shape_of(base)).clocks
-    if clocks > base.period_clocks:
+    display = base.features["display"]
+    stop, frame = display.pins.stop * display.size.tick_clocks, base.period_clocks + clocks(base)
+    if not display.host and stop <= frame:
+        stop_s, least = (count / (1000 * base.clk_khz) for count in (stop, frame))
         raise ValueError(
-            f"[adc]: rate_hz = {base.rate_hz:g} is too fast for [display]: computing a frame takes "
-            f"{clocks} clocks, so at most {1000 * base.clk_khz / clocks:.0f} Hz"
+            f"[display]: stop_s = {stop_s:g} must be above {least:.3g}, the time from frame to frame at "
+            f"rate_hz = {base.rate_hz:g}, or all is off between them"
         )
-    if base.features["display"].host and not base.link.registers:
+    if display.host and not base.link.registers:
         raise ValueError("[display]: source = 'host' must go with registers = true")
 
 
 def _codes(keys: Keys, of: str, base: "Config", otherwise: int) -> int:
     """``floor`` or ``step`` in codes of a taxel."""
     newtons, codes = getattr(keys, f"{of}_n"), getattr(keys, f"{of}_codes")
+    most = base.most_force if base.array else base.input.max_code
     if newtons is None:
+        if codes is not None and codes > most and base.kind != "electrodes":
+            raise ValueError(f"{of}_codes = {codes} must be at most {most}, the largest code of the image")
         return otherwise if codes is None else codes
     if not base.array:
         raise ValueError(f"{of}_n must go with an array; single channels have {of}_codes")
     found = round(exact(newtons) / exact(base.array.newtons_per_count))
-    most = min(65535, base.most_force)
     if found > most or (found < 1 and newtons > 0):
         least = base.array.newtons_per_count
         raise ValueError(
@@ -108,10 +121,13 @@ def config(keys: Keys, base: "Config") -> DisplayConfig:
         burst_on=periods[1],
         top=min(keys.top, (1 << keys.amplitude_bits) - 1),
         most=pins if keys.most_pins is None else keys.most_pins,
-        duty=65535 if keys.duty == 1 else int(exact(keys.duty) * 40_000),
+        duty=65535 if keys.duty == 1 else int(exact(keys.duty) * 10 * TICKS),
         watchdog=int(exact(keys.left_on_s) * 7 / 10),
-        stop=max(1, round(exact(keys.stop_s) * 4000)),
+        stop=max(1, round(exact(keys.stop_s) * TICKS)),
     )
+    least = ceil(TICKS / exact(keys.drive_hz)) + 2  # of a drive period, as msn_pin_limits asks for it
+    if settings.duty < least:
+        raise ValueError(f"duty = {keys.duty:g} must be at least {least / (10 * TICKS):g}, a drive period")
     floor = _codes(keys, "floor", base, 1 if base.array else 0)
     render = RenderSettings(floor, _codes(keys, "step", base, 0), int(keys.marker), keys.cue_frames)
     grid = keys.rows, keys.columns

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from meissner.builds.build import Config
 
 PARAMETERS = {"Forest": 1}
+TAKES = "a decision"
 SDRAM_KHZ = 100_000  # docs/sdram.md: with four clocks from a command to its data
 SLIPS = 32  # classes that forest.slip has a bit for
 LARGEST = "ulx3s 85F", "ecp5", 208  # the device with the most block RAM
@@ -50,44 +51,10 @@ class Keys(Table, frozen=True):
 
 
 @dataclass(frozen=True)
-class Size:
-    """What a forest needs, or a core has room for; ``trees`` and ``nodes``: of each engine."""
-
-    features: int
-    classes: int
-    trees: int
-    nodes: int
-    leaves: int
-    bits: int
-
-
-def bits_of(model: file.Model) -> int:
-    """Bits of a feature with which no threshold and no value on either side of it is lost."""
-    every = np.concatenate([tree.threshold for tree in model.trees])
-    ends = (int(every.min()), int(every.max())) if every.size else (0,)
-    return max(2, *(max(-end - 1, end + 1).bit_length() + 1 for end in ends))
-
-
-def size_of(model: file.Model, engines: int) -> Size:
-    """What ``model`` needs of each of ``engines``; ValueError if a node's word has no room for it."""
-    words.check(model)
-    own = [max(len(tree.feature), 1) for tree in model.trees]
-    shares = words.spread(model, engines)
-    return Size(
-        features=len(model.features),
-        classes=len(model.classes),
-        trees=max(map(len, shares)),
-        nodes=max(sum(own[tree] for tree in trees) for trees in shares),
-        leaves=len(model.leaves) if len(model.classes) != 2 else 1,
-        bits=bits_of(model),
-    )
-
-
-@dataclass(frozen=True)
 class Forest:
     """The feature of a build. ``model``: what its file holds, or None; ``slip``: indices of classes."""
 
-    size: Size
+    size: cost.Size
     frames: bool
     engines: int
     banks: int
@@ -109,11 +76,8 @@ class Forest:
         return size | found | {"ForestLanes": self.lanes, "ForestSdram": int(self.sdram)}
 
     def rams(self, cells: str) -> int:
-        """Block RAMs of nodes, roots and leaves on a family of devices."""
-        size = self.size
-        bits = 2 + max((size.features - 1).bit_length(), 1) + size.bits + 32
-        of = (1 if self.sdram else size.nodes, bits, size.trees, size.classes, size.leaves)
-        return self.engines * int(cost.of_engine(*of, cells, self.banks, self.lanes))
+        """Block RAMs of the forest on a family of devices."""
+        return cost.block_rams(self.size, cells, self.engines, self.banks, self.lanes, self.sdram)
 
     def check_room(self, where: str, cells: str, rams: int) -> None:
         """ValueError, with its budget, if the forest does not fit the block RAMs of a device."""
@@ -124,6 +88,16 @@ class Forest:
                 f"need {need} block RAMs but the {where} has {there} for them: fewer banks or nodes, "
                 f"memory = 'sdram', or `meissner forest-budget F.json --fit {where.replace(' ', ':')}`"
             )
+
+
+def clocks(base: "Config") -> int:
+    """The longest decision of its file; 1 of rows from a host, who waits."""
+    forest: Forest = base.features["forest"]
+    if not forest.frames or forest.model is None:
+        return 1
+    longest = np.array([[max(cost.depths(tree), 1) for tree in forest.model.trees]])
+    worst = cost.clocks(forest.model, (longest, longest), forest.engines)
+    return int(worst["SDRAM" if forest.sdram else "block RAM"][1])
 
 
 def check(base: "Config") -> None:
@@ -142,15 +116,6 @@ def check(base: "Config") -> None:
         forest.check_room(*LARGEST)
     elif forest.size.nodes > BANKS * BANK_WORDS // forest.banks:
         raise ValueError(f"[forest]: {forest.size.nodes} nodes in {forest.banks} banks do not fit the SDRAM")
-    if forest.frames and forest.model is not None:
-        longest = np.array([[max(cost.depths(tree), 1) for tree in forest.model.trees]])
-        worst = cost.clocks(forest.model, (longest, longest), forest.engines)
-        needed = worst["SDRAM" if forest.sdram else "block RAM"][1]
-        if needed > base.period_clocks:
-            raise ValueError(
-                f"[adc]: rate_hz = {base.rate_hz:g} is too fast for the forest: a decision takes up to "
-                f"{needed} clocks, so at most {1000 * base.clk_khz / needed:.0f} Hz"
-            )
 
 
 def config(keys: Keys, base: "Config") -> Forest:
@@ -159,8 +124,9 @@ def config(keys: Keys, base: "Config") -> Forest:
     model = None if keys.file is None else file.read(Path(keys.file))
     need = None
     if model is not None:
-        model = words.without_missing(model)[0]
-        need = size_of(model, keys.engines)
+        model = words.without_missing(model, 0 if keys.source == "frames" else keys.features)[0]
+        words.check(model)
+        need = cost.size_of(model, keys.engines)
     frames = keys.source == "frames"
     features = rows * columns * (keys.window or 0) if frames else keys.features
     if features is None:
@@ -189,7 +155,7 @@ def config(keys: Keys, base: "Config") -> Forest:
             many = "" if key == "classes" else "at least "
             raise ValueError(f"{key} = {given} must be {many}{least} for {keys.file}")
         room[key] = given if given is not None else value if least is None else least
-    size = Size(features=features, **room)
+    size = cost.Size(features=features, **room)
     labels = model.classes if model is not None else list(range(size.classes))
     for label in keys.slip:
         if not any(label == each and type(label) is type(each) for each in labels[:SLIPS]):

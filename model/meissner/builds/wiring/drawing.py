@@ -7,7 +7,7 @@ the board's pins as a table. A wire is straight; a line that several converters 
 dot at each of them. What repeats is drawn once, below.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from meissner.builds import pins
@@ -20,7 +20,8 @@ from meissner.builds.wiring.sheet import PITCH, SIZE, SMALL, WIDTH, Sheet
 SHARED = ("cs_n", "sclk", "mosi", "convst", "reset")  # lines of all converters
 IO_V = 3.3  # of every board's pins
 CHANNEL_ROWS = 7  # the height of a channel's divider
-CHIP, SENSOR, MUX, SHIFTER = 3.6, 3.4, 2.4, 1.9  # widths
+CHIP, SENSOR, MUX, SHIFTER = 3.6, 3.4, 2.4, 1.9  # widths, of sensor and multiplexers at least
+LISTED = 6  # columns in turn at an input, above which those between are left out
 READOUTS = ("amplifier", "resistor")
 
 
@@ -53,13 +54,19 @@ class _Inputs:
     reads: str
 
 
+def _turns(group: Sequence[int | None]) -> str:
+    """The columns that an input reads in turn; they rise in equal steps."""
+    texts = ["-" if n is None else str(n) for n in group]
+    return " | ".join(texts if len(texts) <= LISTED else [*texts[:3], "...", *texts[-2:]])
+
+
 def _inputs(build: Config) -> list[list[_Inputs]]:
     """The inputs in use of each converter."""
     if build.array:
         word = "column" if pins.groups(build.parameters) == 1 else "columns"
         return [
             [
-                _Inputs(k, f"{word} " + " | ".join("-" if n is None else str(n) for n in group))
+                _Inputs(k, f"{word} {_turns(group)}")
                 for k, group in enumerate(zip(*groups))
                 if any(n is not None for n in group)
             ]
@@ -92,9 +99,12 @@ class _Drawing:
         self.chip_right = -1.2 - buses - (SHIFTER + 0.9 if self.shifted else 0.0)
         self.chip_left = self.chip_right - CHIP
         self.front = self.chip_left - 1.5  # the right end of what stands before the inputs
-        self.mux = self.front - MUX - 0.3 if "group" in self.rows else None
+        longest = max((len(one.reads) for each in self.inputs for one in each), default=0)
+        self.mux_wide = max(MUX, SMALL / SIZE * WIDTH * longest)
+        self.mux = self.front - self.mux_wide - 0.3 if "group" in self.rows else None
         self.front = self.front if self.mux is None else self.mux - 0.3
         self.sensor_right = self.front - 1.0
+        self.sensor_left = self.sensor_right - max(SENSOR, WIDTH * longest + 0.3)
         self.used: set[str] = set()
 
     def _is_onboard(self) -> bool:
@@ -117,7 +127,7 @@ class _Drawing:
         self._board(top, y)
         if self.column_places:
             self._sensor()
-        x = self.chip_left - 4.5 if self._channels else self.sensor_right - SENSOR
+        x = self.chip_left - 4.5 if self._channels else self.sensor_left
         x = x if self.inputs else -1.0
         sheet.text((x, 1.6), self.title, size=SIZE + 4)
         y = self._details(x, y - 2 * PITCH)
@@ -206,8 +216,8 @@ class _Drawing:
             self._divider(one, y)
             return
         if self.mux is not None:
-            sheet.line((self.mux + MUX, y), (left, y))
-            sheet.text((self.mux + MUX / 2, y), one.reads.partition(" ")[2], "center", size=SMALL)
+            sheet.line((self.mux + self.mux_wide, y), (left, y))
+            sheet.text((self.mux + self.mux_wide / 2, y), one.reads.partition(" ")[2], "center", size=SMALL)
             right = self.mux
         else:
             right = left
@@ -248,7 +258,7 @@ class _Drawing:
         """The lines that select a group of columns, and the box of the multiplexers."""
         if self.mux is None:
             return y
-        sheet, right = self.sheet, self.mux + MUX
+        sheet, right = self.sheet, self.mux + self.mux_wide
         for k, row in enumerate(self.rows["group"]):
             sheet.line((right, y), (0.0, y))
             sheet.text((right - 0.12, y), f"S{k}", "right")
@@ -323,7 +333,7 @@ class _Drawing:
         """The box of a scanned sensor, with its columns' ends above those of its rows."""
         sheet, places = self.sheet, self.column_places + self.row_places
         top, low = max(places) + 0.8 * PITCH, min(places) - 0.8 * PITCH
-        left, size = self.sensor_right - SENSOR, " × ".join(map(str, self.build.shape))
+        left, size = self.sensor_left, " × ".join(map(str, self.build.shape))
         sheet.box((left, low), (self.sensor_right, top))
         sheet.text(
             (left, top + 0.1), f"sensor, {size}" if self.build.array else "sensor", size=SMALL + 1, up=True
@@ -343,9 +353,10 @@ class _Drawing:
             return y
         self._seen(x, y)
         start = x + 6.0
+        below = y if self.mux is None else y - 0.5  # the longer title reaches over the amplifier
         self.sheet.text((start, y), "Each column" + ("" if self.mux is None else ", before its multiplexer"))
-        (self._amplifiers if self.readout == "amplifier" else self._resistor)(start, y - 1.6)
-        return y - 5.0
+        (self._amplifiers if self.readout == "amplifier" else self._resistor)(start, below - 1.6)
+        return below - 5.0
 
     def _seen(self, x: float, y: float) -> None:
         """The numbers of rows and columns, seen from above."""

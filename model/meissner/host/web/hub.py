@@ -127,10 +127,12 @@ class Hub:
         self.history_size = 0
         self._asked: SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = SimpleQueue()
         self.now: dict[str, dict[Any, Any]] = {}  # the newest of what a viewer must know, by kind
+        self._since: dict[str, float] = {}  # since when a register has its value
         self._forget()
 
     def _forget(self) -> None:
         self.now |= {"states": {}, "health": {}, "statistics": {}}
+        self.now.pop("decided", None)
 
     # As a log's writer
 
@@ -172,6 +174,8 @@ class Hub:
             for channel, state in enumerate(item.states, item.first):
                 if self.now["states"].get(channel, [None])[0] != state:
                     self.now["states"][channel] = [int(state), None, t]
+        elif isinstance(item, packets.ClassChange):
+            self.now["decided"] = {"t": t, "label": item.label, "votes": item.votes}
         elif isinstance(item, packets.Health):
             self.now["health"][item.taxel] = item.faults
         elif isinstance(item, packets.Statistics):
@@ -207,10 +211,13 @@ class Hub:
         """The same for a value that new viewers get too; sent only if it is another one."""
         with self._lock:
             known = self.now.setdefault(kind, {})
-            new = key not in known or known[key] != value
+            before = known.get(key)
+            if key in known and before == value:
+                return
             known[key] = value
-        if new:
-            self.event(kind, name=key, value=value)
+            if kind == "register":
+                self._since[key] = self.newest_s
+        self.event(kind, name=key, value=value, before=before)
 
     def _close_rows(self) -> None:
         if self._rows:
@@ -240,8 +247,9 @@ class Hub:
         with self._lock:
             viewer = Viewer([data for _, data in self._recent])
             self.viewers.append(viewer)
+            first = self._recent[0][0] if self._recent else self.newest_s
             hello = {"kind": "hello", "session": self.session, **self.about, "now": self.now}
-            return encode(self.newest_s, hello), viewer
+            return encode(self.newest_s, hello | {"first": first, "since": self._since}), viewer
 
     def leave(self, viewer: Viewer) -> None:
         with self._lock:

@@ -15,12 +15,13 @@ from meissner.engines.rtl_core import CoreOnPins
 from meissner.host import packets
 from meissner.host.core import Core
 from meissner.host.log import Log
-from meissner.host.simulated import BLOCK, Trace, traced
+from meissner.host.sensors import BLOCK, Pins, Trace, traced
 from meissner.host.table import items
 from meissner.host.view import pins_of
 from meissner.host.web.hub import Hub
 from meissner.twins.link.packet import COUNTERS
 from meissner.twins.slip.peak_to_peak import PeakToPeak
+from meissner.twins.slip.shear_speeds import MAX_CHANNELS
 from meissner.twins.slip.slip import State
 from meissner.twins.slip.slip_path import details
 
@@ -29,7 +30,10 @@ POLL_S = 0.1  # between two reads of registers that no packet reports
 TURN = 4  # settings read with them
 STATUS_S = 0.5
 GROUPS = ("slip", "cop", "cop4", "cop_slip", "grip", "shear_speed")  # whose settings the page shows
-READ = ("grip.command", "grip.fault", "grip.faulty", "grip.tightenings", "forest.label", "forest.best")
+READ = (  # what no packet reports
+    *("grip.enable", "grip.command", "grip.fault", "grip.faulty", "grip.tightenings"),
+    *("forest.label", "forest.best", "shear_speed.enable"),
+)
 
 
 def about(title: str, known: Units, features: list[str], settings: list[dict[str, Any]]) -> dict[str, Any]:
@@ -103,9 +107,15 @@ class OfCore:
 
     def __init__(self, core: Core, title: str) -> None:
         self.core, self.stopped = core, False
-        shown = [] if not core.registers else [name for name in core.names() if name.split(".")[0] in GROUPS]
+        known = core.names() if core.registers else []
+        self._pipe = getattr(core.line, "pipe", None)
+        obeys = getattr(self._pipe, "obeys", None)  # of a core that plays a scene
+        shown = [name for name in known if name.split(".")[0] in GROUPS and (obeys is None or name in obeys)]
         self._settings = [name for name in shown if core.check(name).setting]
-        self._read = [name for name in READ if core.registers and name in core.names()]
+        speeds = [f"shear_speed.channel{k}" for k in range(min(core.units.columns or 1, MAX_CHANNELS))]
+        self._read = [name for name in READ if name in known]
+        if "shear_speed" in core.features:
+            self._read += speeds
         self._display = pins_of(core)
         settings = []
         for name in self._settings:
@@ -114,11 +124,10 @@ class OfCore:
             settings.append({"name": name, **ends, "scale": scale(core.units, name)})
         self.hub = Hub(about(title, core.units, core.features, settings), core.units)
         self.log = Log(self.hub, core)
-        for name in (*self._settings, *self._read):
+        for name in dict.fromkeys((*self._settings, *self._read)):
             self.hub.remember("register", name, core[name])
         self._polled, self._told = time.monotonic(), 0.0
         self._turn = deque(self._settings)
-        self._pipe = getattr(core.line, "pipe", None)
         self._pins = None
         if isinstance(self._pipe, CoreOnPins) and self._pipe.config.kind == "channels":
             self._pins = OfPins(self._pipe)
@@ -160,10 +169,12 @@ class OfCore:
             if isinstance(item, packets.Image) and self._display is not None:
                 levels = self._display.levels(item)
                 if levels is not None:
-                    most = (1 << self._display.bits) - 1
-                    self.hub.event("Pins", levels=levels.astype(np.uint8), most=most)
-        for trace in self._traces():
-            self.log.add(replace(trace, boot=core.counts.restarts))
+                    shown = Pins(
+                        item.time, item.time_s, levels.astype(np.uint8), (1 << self._display.bits) - 1
+                    )
+                    self.log.add(replace(shown, boot=item.boot))
+        for one in self._beside():
+            self.log.add(replace(one, boot=core.counts.restarts))
         hub.answer()
         if again:
             core.ask_states()
@@ -182,9 +193,9 @@ class OfCore:
             )
         hub.send()
 
-    def _traces(self) -> Iterator[Trace]:
-        """Those of a core in this process."""
-        waiting = getattr(self._pipe, "traces", None)
+    def _beside(self) -> Iterator[Trace | Pins]:
+        """What no line carries, of a core in this process."""
+        waiting = getattr(self._pipe, "beside", None)
         while waiting:
             yield waiting.popleft()
         if self._pins is not None:

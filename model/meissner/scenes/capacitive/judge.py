@@ -31,16 +31,17 @@ class Fit(NamedTuple):
     force_n: np.ndarray
 
 
+def calibrated(part, codes):
+    """The Fit of a Part's codes of presses."""
+    known = part.probe_n if part.probed is not None else part.force_n
+    force_n = calibration.cell_forces(known, codes.shape, part.probed)
+    return Fit(*calibration.fit(codes, force_n), force_n)
+
+
 def calibrations(recording, codes):
     """{way of calibration in the recording: Fit}."""
-    fits = {}
-    for way in ("probe", "even"):
-        if way in recording.parts:
-            part = recording.parts[way]
-            known = part.probe_n if part.probed is not None else part.force_n
-            force_n = calibration.cell_forces(known, codes[way].shape, part.probed)
-            fits[way] = Fit(*calibration.fit(codes[way], force_n), force_n)
-    return fits
+    ways = [way for way in ("probe", "even") if way in recording.parts]
+    return {way: calibrated(recording.parts[way], codes[way]) for way in ways}
 
 
 def _terms(core, codes, fit):

@@ -365,9 +365,21 @@ def _added(total, parts):
     return np.add.accumulate(np.concatenate([total[:, None], parts], axis=1), axis=1)[:, -1]
 
 
-def hold(scene, condition, seeds, parts, most=AHEAD):
+def hold(*arguments, **more):
+    """The Held of ``steps``."""
+    going = steps(*arguments, **more)
+    while True:
+        try:
+            next(going)
+        except StopIteration as end:
+            return end.value
+
+
+def steps(scene, condition, seeds, parts, most=AHEAD):
     """Run a condition with all ``seeds`` together; ``parts``: (slip path class, grip class), or Cores.
 
+    Yields (codes [2, samples], command, fault, faulty [cycles], all of the first run, the reflexes) of some
+    cycles at a time; returns the Held.
     Up to ``most`` cycles are computed at a time, with the increments that follow if no window is over; those
     after another increment are dropped. So the results do not depend on ``most``.
     """
@@ -404,7 +416,7 @@ def hold(scene, condition, seeds, parts, most=AHEAD):
         before, volts = copy(front), found.volts[:, :, :samples]
         codes, _ = adc.convert((front.next(volts) + noise.ahead(samples)).reshape(2 * runs, -1))
         codes[:, np.repeat(times_s >= dead, block)] = 0
-        detail, counts, (increments, commands, fault, _), gross = reflexes.next(codes, expected)
+        detail, counts, (increments, commands, fault, faulty), gross = reflexes.next(codes, expected)
         done = len(counts)
         hand.keep(done)
         noise.keep(done * block)
@@ -461,6 +473,7 @@ def hold(scene, condition, seeds, parts, most=AHEAD):
         cycle += done
         usual = 0.9 * usual + 0.1 * done
         tried = round(1.5 * usual) + 1
+        yield codes[:2, : done * block], commands[:, 0], fault[:, 0], faulty[:, 0], reflexes
     table = np.concatenate(rows, axis=1)
     table[10] *= adc.lsb_v / 2 ** (1 + config.level / 2)
     trace = Trace(*table[:11], table[11:13].T, table[13:15].T)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from meissner import files
 from meissner.forest.sklearn import of_model
 from meissner.rope import labels, train
 from meissner.rope.published import TABLE_3, TABLE_4, TABLE_4_MEAN
@@ -66,6 +67,8 @@ def command(arguments):
         raise ValueError(f"seed = {arguments.seed} must not be negative")
     if not 1 <= arguments.trees <= 1000:
         raise ValueError(f"trees = {arguments.trees} must lie in 1 .. 1000")
+    if arguments.out is not None:
+        files.check_out(arguments.out)
     scene = load("rope_pull")
     forest, second, third, fourth, remarks = tables(scene, arguments.seed, arguments.trees)
     print("simulated ropes; published values in brackets")

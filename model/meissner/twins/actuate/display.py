@@ -16,6 +16,8 @@ LANES = 3  # levels of a word of a host
 def words(levels):
     """What a host writes to the register display.levels for a frame [rows, columns], in order."""
     levels = np.asarray(levels)
+    if levels.dtype.kind not in "iub":
+        raise ValueError(f"levels must be whole numbers, not {levels.dtype}")
     within(**{"levels": (int(levels.min()), 0, 255), "level": (int(levels.max()), 0, 255)})
     found = []
     for row in levels.tolist():

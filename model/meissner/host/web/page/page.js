@@ -53,28 +53,47 @@ export class Series {
   }
 }
 
-// Steps of values: what holds from a time on, by name.
+// Steps of values: what holds from a time on, by name; nothing is known of the time before the first.
 export class Steps {
   constructor() { this.of = new Map(); }
   clear() { this.of.clear(); }
-  push(key, t, value) {
+  push(key, t, value) {  // in order of time: a viewer that joins gets the newest first
     const list = this.of.get(key) ?? this.of.set(key, []).get(key);
-    list.push({t, value});
-    if (list.length > 5000) list.splice(0, 2500);
+    let at = list.length;
+    while (at && list[at - 1].t > t) at--;
+    if (at && list[at - 1].t === t) list[at - 1].value = value;
+    else list.splice(at, 0, {t, value});
+    let old = 0;
+    while (old + 1 < list.length && list[old + 1].t < t - KEPT_S) old++;
+    if (old || list.length > 5000) list.splice(0, Math.max(old, list.length - 5000));
+  }
+  change(key, t, value, before) {  // `before` held from the first moment that this viewer got
+    if (!(this.of.get(key)?.[0].t < t) && before !== null && page.first < t) this.push(key, page.first, before);
+    this.push(key, t, value);
   }
   now(key) { return this.of.get(key)?.at(-1)?.value; }
   at(key, t) {
     const list = this.of.get(key) ?? [];
     let low = 0, high = list.length;
     while (low < high) { const mid = (low + high) >> 1; if (list[mid].t <= t) low = mid + 1; else high = mid; }
-    return list[low - 1]?.value ?? list[0]?.value;
+    return list[low - 1]?.value;
+  }
+  line(key, from, to, pick = value => value) {  // [t, value] for a stepped chart
+    const list = this.of.get(key) ?? [], found = [[], []];
+    list.forEach(({t, value}, k) => {
+      if (t > to || (list[k + 1]?.t ?? Infinity) < from) return;
+      found[0].push(t); found[1].push(pick(value));
+    });
+    if (found[0].length) { found[0].push(to); found[1].push(found[1].at(-1)); }
+    return found;
   }
 }
 
 export const page = {
-  hello: null, newest: 0, received: 0, started: false, firstPicture: null,
+  hello: null, first: 0, newest: 0, received: 0,  // of the stream, its first and newest time
+  started: false, firstPicture: null,
   view: {paused: false, to: 0, span: 10},
-  channel: 0,
+  channel: 0, chosen: false,   // by the viewer
   cop: new Series(4),          // x, y, load, pressed
   traces: new Map(),           // channel: Series of low, high, p2p
   images: [], imageBytes: 0,
@@ -99,8 +118,11 @@ export const make = (tag, given = {}, ...children) => {
 };
 export const stateName = k => page.hello?.state_names[k] ?? `state ${k}`;
 export const stateColour = k => css(["none", "contact", "incipient", "gross", "release"][k] ?? "none");
-export const channelName = k => k === 65535 ? "load" : `${k}`;
+export const OF_LOAD = 65535;  // the channel of four electrodes
+export const channelName = k => k === OF_LOAD ? "load" : `${k}`;
+export const count = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
 export const number = (value, digits = 4) => Number.isFinite(value) ? `${+value.toPrecision(digits)}` : "–";
+export const fixed = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 export function withUnit(value, scale) {  // a code in its unit, in milli where it is small
   if (!scale) return null;
   const amount = value * scale[0] + scale[1];
@@ -128,13 +150,13 @@ on("hello", head => {
   if (page.hello && page.hello.session !== head.session) notice("meissner was started again: what came before is gone.");
   forget();
   page.hello = head;
-  page.newest = head.t;
+  page.newest = head.t; page.first = head.first;
   document.getElementById("title").textContent = head.title;
   document.title = `${head.title} – Meissner`;
-  for (const [channel, [state, p2p, since]] of Object.entries(head.now.states)) page.states.push(+channel, -Infinity, {state, p2p, since});
+  for (const [channel, [state, p2p, since]] of Object.entries(head.now.states)) page.states.push(+channel, since, {state, p2p});
   for (const [taxel, faults] of Object.entries(head.now.health)) page.health.set(+taxel, faults);
   for (const [name, value] of Object.entries(head.now.statistics)) page.statistics.set(name, value);
-  for (const [name, value] of Object.entries(head.now.register ?? {})) page.registers.push(name, -Infinity, value);
+  for (const [name, value] of Object.entries(head.now.register ?? {})) page.registers.push(name, head.since[name], value);
   link(head.now.link?.report);
   for (const def of panels) def.begin?.(head);
 });
@@ -171,23 +193,20 @@ function event(t, text, state) {
   page.events.splice(at, 0, {t, text, state});
   if (page.events.length > 500) page.events.splice(0, 250);
 }
-const amount = row => row.p2p_v !== null ? `${number(1e3 * row.p2p_v, 3)} mV` : row.p2p_n !== null ? `${number(1e3 * row.p2p_n, 3)} mN` : `${row.p2p}`;
-function stateFrom(channel, t, value, before) {  // a viewer that joins gets the newest state, then older changes: it did not hold before these
-  const list = page.states.of.get(channel), first = list?.[0];
-  if (list?.length === 1 && first.t === -Infinity && t <= first.value.since) first.value = {state: before, p2p: null};
-  page.states.push(channel, t, value);
-}
+const whose = row => row.channel === OF_LOAD ? "load" : `channel ${row.channel}`;
+const amount = row => row.channel === OF_LOAD ? `towards ${45 * row.p2p}°` : `peak-to-peak ${spread(row)}`;
+const spread = row => row.p2p_v !== null ? `${number(1e3 * row.p2p_v, 3)} mV` : row.p2p_n !== null ? `${number(1e3 * row.p2p_n, 3)} mN` : `${row.p2p}`;
 on("SlipEvent", row => {
-  stateFrom(row.channel, row.t, {state: row.state, p2p: row.p2p}, 1);  // a slip begins in contact
-  event(row.t, `channel ${channelName(row.channel)}: slip, ${stateName(row.state)}, peak-to-peak ${amount(row)}`, row.state);
+  page.states.change(row.channel, row.t, {state: row.state, p2p: row.p2p}, {state: 1, p2p: null});  // a slip begins in contact
+  event(row.t, `${whose(row)}: slip, ${stateName(row.state)}, ${amount(row)}`, row.state);
 });
 on("StateChange", row => {
-  stateFrom(row.channel, row.t, {state: row.state, p2p: row.p2p}, row.before);
+  page.states.change(row.channel, row.t, {state: row.state, p2p: row.p2p}, {state: row.before, p2p: null});
   if ((page.hello.core.rows ?? 1) > 1 && !page.traces.size && row.state !== 2 && row.state !== 3) return;  // a press on an array changes too many
-  event(row.t, `channel ${channelName(row.channel)}: ${stateName(row.before)} to ${stateName(row.state)}`, row.state);
+  event(row.t, `${whose(row)}: ${stateName(row.before)} to ${stateName(row.state)}`, row.state);
 });
 on("States", row => row.states.forEach((state, k) => {
-  if (page.states.now(row.first + k)?.state !== state) page.states.push(row.first + k, row.t, {state, p2p: null});
+  if (page.states.at(row.first + k, row.t)?.state !== state) page.states.push(row.first + k, row.t, {state, p2p: null});
 }));
 on("Health", row => {
   page.health.set(row.taxel, row.faults);
@@ -201,7 +220,7 @@ on("Reset", row => {
   page.health.clear(); page.statistics.clear();
 });
 on("message", row => event(row.t, row.text));
-on("register", row => page.registers.push(row.name, row.t, row.value));
+on("register", row => page.registers.change(row.name, row.t, row.value, row.before));
 on("status", row => { page.status = row; page.counts = row.counts; });
 on("dropped", row => { page.dropped = row.count; });
 export const faults = bits => bits ? ["dead", "railed", "blinking"].filter((name, k) => name && bits >> k & 1).join(", ") || `faults ${bits}` : "works again";
@@ -362,14 +381,26 @@ function draw(now) {
   drawn = now;
   if (!page.view.paused) page.view.to = page.newest;
   head();
+  let empty = true;
   for (const def of panels) {
     const shown = def.shown?.() ?? true;
+    if (shown && def.picture) empty = false;
     if (def.section.hidden === shown) def.section.hidden = !shown;
     if (shown) {
       def.draw?.();
       if (page.firstPicture === null && def.picture) page.firstPicture = performance.now();
     }
   }
+  waits(empty);
+}
+function waits(empty) {  // what an empty page waits for
+  const box = document.getElementById("empty"), packets = page.counts.packets ?? 0;
+  let text = "Waiting for the first packet of the core. If none comes: is its converter on, and the line at its rate?";
+  if (page.status.down) text = "Waiting until the core's line can be opened again.";
+  else if (page.status.ended) text = "The source has ended, with nothing that could be drawn.";
+  else if (packets) text = `${count(packets, "packet")} received. Waiting for one with an image, a centre of pressure, a channel's state or a class: does something touch the sensor?`;
+  if (empty && box.textContent !== text) box.textContent = text;
+  box.hidden = !empty;
 }
 
 // A canvas as wide as its panel, in the screen's own pixels.
@@ -391,6 +422,8 @@ export function canvas(body, height) {
   };
 }
 
+export const stepped = {paths: uPlot.paths.stepped({align: 1})};  // of a line of Steps.line
+
 // A chart over the page's time. lines: {label, colour, ...} of uPlot's series; call it with the data to draw.
 export function chart(body, lines, {height = 150, least = null, bands = []} = {}) {
   const font = "12px system-ui, sans-serif", tone = name => () => css(name);
@@ -402,7 +435,7 @@ export function chart(body, lines, {height = 150, least = null, bands = []} = {}
       y: {range: (_, low, high) => {
         if (low === null || !Number.isFinite(low)) return [0, 1];
         if (least !== null) low = Math.min(low, least);
-        const room = Math.max((high - low) * 0.08, 1e-6 + Math.abs(high) * 1e-3);
+        const room = high > low ? Math.max((high - low) * 0.08, Math.abs(high) * 1e-3) : Math.abs(high) / 10 || 1;
         return [least !== null && low >= least ? low : low - room, high + room];
       }},
     },
@@ -424,9 +457,9 @@ export function chart(body, lines, {height = 150, least = null, bands = []} = {}
     dot.style.background = `var(--${line.colour})`;
     return make("span", {}, dot, line.label);
   })));
-  return data => {
+  return (data, tall = height) => {
     const wide = body.clientWidth;
-    if (wide && plot.width !== wide) plot.setSize({width: wide, height});
+    if (wide && (plot.width !== wide || plot.height !== tall)) plot.setSize({width: wide, height: tall});
     plot.setData(data);
   };
 }

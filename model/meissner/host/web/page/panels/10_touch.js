@@ -1,5 +1,5 @@
 // The tactile image, the centre of pressure with its trail, slipping and faulty taxels.
-import {canvas, css, faults, make, number, page, panel, stateColour, stateName} from "/page.js";
+import {canvas, css, faults, fixed, make, number, page, panel, stateColour, stateName} from "/page.js";
 
 const TRAIL_S = 2;
 let surface, words, sub, place = null;
@@ -38,12 +38,12 @@ panel({
     surface.element.onclick = click => {
       if (!place || !place.columns) return;
       const column = Math.floor((click.offsetX - place.x) / place.cell), row = Math.floor((click.offsetY - place.y) / place.cell);
-      if (column >= 0 && row >= 0 && column < place.columns && row < place.rows) page.channel = row * place.columns + column;
+      if (column >= 0 && row >= 0 && column < place.columns && row < place.rows) [page.channel, page.chosen] = [row * place.columns + column, true];
     };
   },
   draw() {
     const image = imageAt(page.to);
-    const [rows, columns] = image?.shapes.taxels ?? [page.hello.core.rows ?? 1, page.hello.core.columns ?? 1];
+    const [rows, columns] = image?.shapes.taxels ?? (page.hello.core.rows > 1 ? [page.hello.core.rows, page.hello.core.columns] : [1, 1]);
     const width = surface.element.parentElement.clientWidth, aspect = image ? rows / columns : 1;
     const [draw, wide, tall] = surface.begin(Math.min(360, Math.max(120, width * aspect)));
     const cell = Math.min(wide / columns, tall / rows), w = cell * columns, h = cell * rows, x = (wide - w) / 2, y = (tall - h) / 2;
@@ -96,7 +96,7 @@ panel({
         const [px, py] = at(cx[end - 1], cy[end - 1]);
         draw.beginPath(); draw.arc(px, py, 6, 0, 7); draw.fillStyle = css("incipient"); draw.fill();
         draw.lineWidth = 2; draw.strokeStyle = css("card"); draw.stroke();
-        where = core.pitch_mm ? `${cx[end - 1].toFixed(2)}, ${cy[end - 1].toFixed(2)} mm, ${where}` : `x ${cx[end - 1].toFixed(3)}, y ${cy[end - 1].toFixed(3)}, ${where}`;
+        where = core.pitch_mm ? `${fixed(cx[end - 1], 2)}, ${fixed(cy[end - 1], 2)} mm, ${where}` : `x ${fixed(cx[end - 1], 3)}, y ${fixed(cy[end - 1], 3)}, ${where}`;
       } else where = `not pressed, ${where}`;
     }
     sub.textContent = where;

@@ -1,7 +1,7 @@
 // Settings in the core: a slider or a number writes a register, what it reads back is shown.
 import {make, page, panel, post, withUnit} from "/page.js";
 
-const SLIDERS = ["slip.threshold", "slip.keep_threshold", "slip.gross_threshold", "slip.contact_level", "slip.release_level", "cop.min_load", "grip.step"];
+const SLIDERS = ["slip.threshold", "slip.keep_threshold", "slip.gross_threshold", "slip.contact_level", "slip.release_level", "cop.min_load", "cop4.min_load", "cop_slip.drop", "grip.step"];
 const STEPS = 1000;
 let body, rows = new Map();
 
@@ -65,8 +65,9 @@ panel({
     rows = new Map();
     const off = name => hello.now.register[`${name.split(".")[0]}.enable`] === 0, first = ({name}) => SLIDERS.includes(name) && !off(name);
     const main = hello.settings.filter(first).sort((a, b) => SLIDERS.indexOf(a.name) - SLIDERS.indexOf(b.name)), rest = hello.settings.filter(setting => !first(setting));
-    body.replaceChildren(...main.map(row));
-    if (rest.length) body.append(make("details", {}, make("summary", {textContent: `${rest.length} more`}), ...rest.map(row)));
+    body.parentElement.classList.toggle("tall", main.length > 2);
+    body.replaceChildren(...(main.length ? main : rest).map(row));
+    if (main.length && rest.length) body.append(make("details", {}, make("summary", {textContent: `${rest.length} more`}), ...rest.map(row)));
   },
   draw() {
     for (const [name, one] of rows) {
