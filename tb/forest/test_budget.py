@@ -166,7 +166,7 @@ def test_what_it_prints(wine, capsys):
     assert found["nodes_a_decision"] == [pytest.approx(steps.sum(1).mean()), steps.sum(1).max()]
     rows = {each["memory"]: each for each in found["memories"]}
     assert rows["ulx3s 85F"]["block_rams"] == cost.needs(forest.model, "ecp5", 1, 1)
-    assert rows["ulx3s 85F"]["us"][1] == rows["ulx3s 85F"]["clocks"][1] / 50
+    assert rows["ulx3s 85F"]["us"][1] == rows["ulx3s 85F"]["clocks"][1] / 25
     assert rows["icebreaker"]["mhz"] == 24 and rows["icebreaker"]["room"] == 29
     small = {each["forest"]: each for each in found["smaller"]}
     assert small["as it is"]["same_class"] == 1
@@ -199,7 +199,7 @@ def test_the_best_that_fits_is_written(wine, capsys, tmp_path):
     assert f"make synth BOARD=ulx3s CONFIG={tmp_path}/own/mine.toml DEVICE=85F" in said
     assert (tmp_path / "same.json").read_bytes() == (folder / "F.json").read_bytes()
     build = config.load(tmp_path / "own/mine.toml")
-    assert (build.clk_khz, build.kind) == (50_000, "none")
+    assert (build.clk_khz, build.kind) == (25_000, "none")
     made = build.features["forest"]
     assert (made.engines, made.banks, made.frames, made.size.trees) == (2, 1, False, 200)
     assert made.model.nodes == forest.model.nodes

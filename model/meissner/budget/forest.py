@@ -25,7 +25,7 @@ from meissner.twins.forest.sdram import BANK_WORDS, BANKS
 
 NODE_BITS = 64
 SDRAM = "ulx3s"
-MHZ = 50.0  # of a core with a forest in block RAM, at most
+MHZ = 25.0  # that a core reaches with as many nodes as fit; the board's next if it makes none as slow
 
 
 def walks(forest, x=None):
@@ -40,7 +40,8 @@ def walks(forest, x=None):
 def devices():
     """(name, board, device, block RAMs, MHz) of every board with a bitstream."""
     for board in BOARDS.values():
-        mhz = max(each for each in description(board.name).clock["core_mhz"] if each <= MHZ)
+        makes = description(board.name).clock["core_mhz"]
+        mhz = max((each for each in makes if each <= MHZ), default=min(makes))
         for device, count in board.rams.items():
             yield f"{board.name} {device}".strip(), board, device, count, mhz
 
