@@ -95,7 +95,9 @@ def smaller(path):
     """The same with a palette, a third of the size."""
     from PIL import Image
 
-    few = Image.open(path).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE)  # rare colours, too
+    few = (
+        Image.open(path).convert("RGB").quantize(256, Image.Quantize.MEDIANCUT, kmeans=4)
+    )  # rare colours, too
     few.save(path, optimize=True)
 
 

@@ -60,10 +60,8 @@ panel({
   },
   draw() {
     const known = [...new Set([...page.traces.keys(), ...page.states.of.keys()])].sort((a, b) => a - b).slice(0, 300);
-    if (!known.includes(page.channel)) {
-      if (!page.chosen) page.channel = known[0] ?? strongest() ?? 0;
-      if (!known.includes(page.channel)) known.push(page.channel);
-    }
+    if (!page.chosen) page.channel = (page.traces.size ? undefined : strongest()) ?? known[0] ?? 0;
+    if (!known.includes(page.channel)) known.push(page.channel);
     const key = known.join();
     if (choice.dataset.key !== key) {
       choice.dataset.key = key;
