@@ -22,7 +22,7 @@ module msn_pin_display #(
   parameter  int unsigned MaxHz         = 400,
   parameter  int unsigned TickClocks    = (ClkKhz + 3) / 4,  // a quarter ms
   parameter  int unsigned Ticks         = 5715,     // of a seventh of the window of the duty: 10 s
-  parameter  bit          Direction     = 1'b1,
+  parameter  bit          Direction     = 1'b0,
   localparam int unsigned PinBits       = $clog2(Pins + 1)
 ) (
   input  logic               clk_i,
@@ -73,8 +73,8 @@ module msn_pin_display #(
   localparam logic [AmplitudeBits-1:0] Top = '1;
   logic                     frame_valid, frame_begun, frame_done;
   logic [AmplitudeBits-1:0] top, in_level;
-  assign top      = cfg_top_i > 8'(Top) ? Top : AmplitudeBits'(cfg_top_i);
-  assign in_level = in_data_i > 8'(Top) ? Top : AmplitudeBits'(in_data_i);
+  assign top      = |cfg_top_i[7:AmplitudeBits] ? Top : AmplitudeBits'(cfg_top_i);
+  assign in_level = |in_data_i[7:AmplitudeBits] ? Top : AmplitudeBits'(in_data_i);
   logic [PlaceBits-1:0]     frame_place;
   logic [15:0]              frame_level;
   logic [47:0]              unused_time;

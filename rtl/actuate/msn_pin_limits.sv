@@ -15,6 +15,8 @@
 //   clock  1, 2               3       4       5
 //          read both memories window  charge  levels leave, in order, from the 5th clock after begin_i on
 //
+// Names in _n are inverted: x <= y where y + ~x + 1 carries, x < y where y + ~x does, and an iCE40's carry chain has no
+// inverter; yosys would spend a cell a bit on each.
 // Error: none.
 // Model: model/meissner/twins/actuate/pin_display.py
 
@@ -113,38 +115,39 @@ module msn_pin_limits #(
   // which what leaves it is taken: an upset of that would stay.
   logic [StateBits-1:0]     kept;
   logic [2:0]               oldest;
-  logic [TotalBits-1:0]     sum, sum_a, sum_b, begun, begun_b, total_a, total_b, charge, allowed;
-  logic [3:0]               run, run_a, run_b;
+  logic [TotalBits-1:0]     sum, sum_a, sum_b, begun, begun_b, total_a, total_b, total_b_n, charge, allowed;
+  logic [3:0]               run_n, run_a_n, run_b_n;
   logic [TotalBits-1:0]     kept_begun;  // complements, which a subtraction needs
   logic                     on, on_a, drive, drives, none_allowed, asks, may;
-  logic [AmplitudeBits-1:0] level_a, level_b;
-  assign {sum, run, on} = kept;
+  logic [AmplitudeBits-1:0] level_a_n, level_b_n;
+  assign {sum, run_n, on} = kept;
   assign oldest  = seventh + 1'b1;
   assign begun   = ~kept_begun;
+  assign total_b = ~total_b_n;
   always_ff @(posedge clk_i) begin
     if (go) charge <= TotalBits'(length_i) + 1'b1;  // off_i may come in a pass
     {none_allowed, allowed} <= {1'b0, cfg_duty_i} + {1'b1, ~charge};  // duty - charge - 1
-    drives  <= compose && burst_i && !silent_i;
-    total_a <= full ? sum - begun : sum;
-    sum_a   <= sum;
-    on_a    <= on;
-    run_a   <= run + 4'(compose && turning && run != '1);
-    level_a <= frame_level_i;
-    if (compose && frame_level_i == '0) run_a <= '0;
+    drives    <= compose && burst_i && !silent_i;
+    total_a   <= full ? sum - begun : sum;
+    sum_a     <= sum;
+    on_a      <= on;
+    run_a_n   <= run_n - 4'(compose && turning && run_n != '0);
+    level_a_n <= ~frame_level_i;
+    if (compose && frame_level_i == '0) run_a_n <= '1;
     if (fresh) begin
       total_a <= '0;
       sum_a   <= '0;
-      run_a   <= '0;
+      run_a_n <= '1;
       on_a    <= 1'b0;
     end
-    total_b <= on_a ? total_a + charge : total_a;  // not + (on_a ? charge : 0): as many cells again
-    sum_b   <= on_a ? sum_a + charge : sum_a;
-    begun_b <= ~sum_a;
-    run_b   <= run_a;
-    level_b <= level_a;
+    total_b_n <= ~(on_a ? total_a + charge : total_a);  // not + (on_a ? charge : 0): as many cells again
+    sum_b     <= on_a ? sum_a + charge : sum_a;
+    begun_b   <= ~sum_a;
+    run_b_n   <= run_a_n;
+    level_b_n <= level_a_n;
   end
   msn_ram #(.Words(Pins), .Width(StateBits)) u_pins (
-    .clk_i, .write_i(valid[3]), .write_address_i(write_place), .write_data_i({sum_b, run_b, drive}),
+    .clk_i, .write_i(valid[3]), .write_address_i(write_place), .write_data_i({sum_b, run_b_n, drive}),
     .read_i(1'b1), .read_address_i(place), .out_data_o(kept)
   );
   msn_ram #(.Words(8 << PlaceBits), .Width(TotalBits)) u_sevenths (
@@ -153,28 +156,39 @@ module msn_pin_limits #(
   );
 
   // The levels that leave.
-  logic [PinBits-1:0] counted;
-  logic               keeps_off;
-  assign asks        = level_b != '0;
-  assign may         = asks && !none_allowed && total_b <= allowed && run_b <= cfg_watchdog_i &&
-                       cfg_top_i != '0 && 12'(counted) < cfg_most_i;
+  logic [PinBits-1:0]       counted_p, counted_n, counts_n;
+  logic [11:0]              counted;
+  logic                     keeps_off, room, short, fewer, lower;
+  logic [TotalBits:0]       unused_room;
+  logic [4:0]               unused_short;
+  logic [11:0]              unused_fewer;
+  logic [AmplitudeBits-1:0] unused_lower;
+  assign counted_p             = ~counted_n;
+  assign counted               = 12'(counted_p);
+  assign {room, unused_room}   = {1'b0, allowed, 1'b1} + {1'b0, total_b_n, 1'b1};       // total <= allowed
+  assign {short, unused_short} = {1'b0, cfg_watchdog_i, 1'b1} + {1'b0, run_b_n, 1'b1};  // run <= watchdog
+  assign {fewer, unused_fewer} = {1'b0, cfg_most_i} + {1'b0, ~counted};                 // counted < most
+  assign {lower, unused_lower} = {1'b0, cfg_top_i} + {1'b0, level_b_n};                 // level < top
+  assign asks        = level_b_n != '1;
+  assign may         = asks && !none_allowed && room && short && cfg_top_i != '0 && fewer;
   assign drive       = may && drives;
+  assign counts_n    = counted_n - PinBits'(may);
   assign out_valid_o = valid[3] && compose;
   assign out_last_o  = last[3];
-  assign out_level_o = !drive ? '0 : level_b < cfg_top_i ? level_b : cfg_top_i;
+  assign out_level_o = !drive ? '0 : lower ? ~level_b_n : cfg_top_i;
   always_ff @(posedge clk_i) begin
     if (valid[3]) begin
       write_place <= last[3] ? '0 : write_place + 1'b1;
-      counted     <= last[3] ? '0 : counted + PinBits'(may);
+      counted_n   <= last[3] ? '1 : counts_n;
       keeps_off   <= !last[3] && (keeps_off || (asks && !may));
       if (last[3]) begin
-        pins_o    <= drives ? counted + PinBits'(may) : '0;
+        pins_o    <= drives ? ~counts_n : '0;
         limited_o <= compose && (keeps_off || (asks && !may));
       end
     end
     if (rst_i) begin
       write_place <= '0;
-      counted     <= '0;
+      counted_n   <= '1;
       keeps_off   <= 1'b0;
       pins_o      <= '0;
       limited_o   <= 1'b0;
@@ -183,10 +197,13 @@ module msn_pin_limits #(
 
   // The two limits, of what leaves: pins at once, and the duty with this period's ticks.
   msn_check u_most (
-    .clk_i, .rst_i, .wrong_i(valid[3] && drive && 12'(counted) >= cfg_most_i)
+    .clk_i, .rst_i, .wrong_i(valid[3] && drive && counted >= cfg_most_i)
   );
   msn_check u_duty (
     .clk_i, .rst_i, .wrong_i(valid[3] && drive && 17'(total_b) + 17'(charge) + 17'd1 > 17'(cfg_duty_i))
   );
+
+  logic unused;
+  assign unused = ^{unused_room, unused_short, unused_fewer, unused_lower};
 
 endmodule

@@ -73,30 +73,35 @@ module msn_pin_phase #(
 
   logic [TickBits-1:0]  tick_clocks;
   logic [12:0]          ticks, elapsed;  // of the seventh; of the period so far
-  logic [15:0]          quiet;           // ticks since a frame was taken
+  logic [15:0]          quiet_n;         // ticks since a frame was taken, inverted: see msn_pin_limits
   logic                 tick;
   logic [PhaseBits-1:0] phase;
   logic [PhaseBits:0]   sum;
   logic [RateBits-1:0]  increment, wanted;
-  logic                 wrap, fast, start, stopped, stuck, changed;
-  logic [11:0]          burst, burst_next;
+  logic                 wrap, fast, start, fresh, stopped, stuck, changed, lit, more;
+  logic [11:0]          burst_n;         // the burst's period, from 1 on, inverted
+  logic [15:0]          unused_quiet;
+  logic [12:0]          unused_on;
+  logic [11:0]          unused_period;
   assign tick       = tick_clocks == TickBits'(TickClocks - 1);
   assign turn_o     = tick && ticks == 13'(Ticks - 1);
   assign sum        = {1'b0, phase} + (PhaseBits + 1)'(increment);
-  assign stopped    = !frame_valid_i && quiet >= cfg_stop_i;
+  assign {fresh, unused_quiet} = {1'b0, cfg_stop_i} + {1'b0, quiet_n};  // quiet < stop
+  assign stopped    = !frame_valid_i && !fresh;
   assign stuck      = elapsed[12:11] == '1;  // Ticks is less
   assign off_o      = running_o && (!cfg_enable_i || fault_i || stopped || stuck || (wrap && !fast));
   assign start      = !running_o && cfg_enable_i && !fault_i && !stopped && fast && idle_i && !turn_o;
   assign begin_o    = wrap && !off_o;
   assign slot_o     = phase[PhaseBits-1-:SlotBits];
   assign changed    = wanted != increment;
-  assign burst_next = burst + 1'b1;
+  assign {lit, unused_on} = {1'b0, cfg_burst_on_i, 1'b1} + {1'b0, burst_n, 1'b1};  // burst <= burst_on
+  assign {more, unused_period} = {1'b0, cfg_burst_period_i} + {1'b0, burst_n};  // burst < burst_period
   assign length_o   = elapsed + 13'(tick && running_o);
 
   always_ff @(posedge clk_i) begin
     tick_clocks <= tick ? '0 : tick_clocks + 1'b1;
     if (tick) ticks <= turn_o ? '0 : ticks + 1'b1;
-    if (tick && quiet != '1) quiet <= quiet + 1'b1;
+    if (tick && quiet_n != '0) quiet_n <= quiet_n - 1'b1;
     fast   <= cfg_increment_i[31:LeastBits] != '0 || cfg_increment_i[LeastBits-1:0] >= LeastBits'(Least);
     wanted <= (cfg_increment_i[31:RateBits] != '0 || cfg_increment_i[RateBits-1:0] > RateBits'(Largest)) ?
               RateBits'(Largest) : cfg_increment_i[RateBits-1:0];
@@ -108,9 +113,9 @@ module msn_pin_phase #(
     if (begin_o) begin
       increment <= wanted;
       silent_o  <= changed;
-      burst_o   <= cfg_burst_period_i == '0 || burst < cfg_burst_on_i;
-      burst     <= (changed || burst_next >= cfg_burst_period_i) ? '0 : burst_next;
-      if (frame_valid_i) quiet <= '0;
+      burst_o   <= cfg_burst_period_i == '0 || lit;
+      burst_n   <= (changed || !more) ? ~12'd1 : burst_n - 1'b1;
+      if (frame_valid_i) quiet_n <= '1;
     end
     if (start) running_o <= 1'b1;
     if (off_o) running_o <= 1'b0;
@@ -119,12 +124,12 @@ module msn_pin_phase #(
       step_o    <= start;
       phase     <= '0;
       increment <= '0;
-      burst     <= '0;
+      burst_n   <= ~12'd1;
     end
     if (rst_i) begin
       tick_clocks <= '0;
       ticks       <= '0;
-      quiet       <= '1;
+      quiet_n     <= '0;
       fast        <= 1'b0;
       running_o   <= 1'b0;
       wrap        <= 1'b0;
@@ -133,5 +138,8 @@ module msn_pin_phase #(
       increment   <= '0;
     end
   end
+
+  logic unused;
+  assign unused = ^{unused_quiet, unused_on, unused_period};
 
 endmodule

@@ -2,7 +2,7 @@
 //
 // Shifts the pins of each slot into chains of high-voltage drivers and latches them all at once (HV507: docs/pin_display.md).
 //
-//   pin i                       chain i / ChainPins, output i mod ChainPins, the first driver's HVOUT1 first
+//   pin i                       chain i / ChainPins, output i mod ChainPins, counted from where the data go in
 //   high                        level > 0 and slot <= level
 //
 //   clocks after step_i   1 ..   waits while busy_i, then the chains shift side by side, 8 bits and a pause a word
@@ -19,7 +19,7 @@ module msn_pin_shift #(
   parameter  int unsigned AmplitudeBits = 4,
   parameter  int unsigned ClkKhz        = 25_000,
   parameter  int unsigned SclkKhz       = 8_000,  // at most
-  parameter  bit          Direction     = 1'b1,   // 1: what is shifted in first ends at the highest output
+  parameter  bit          Direction     = 1'b0,   // low: in at DIOA (docs)
   localparam int unsigned SlotBits      = AmplitudeBits + 1
 ) (
   input  logic                     clk_i,
@@ -157,18 +157,20 @@ module msn_pin_shift #(
   assign hv_clk_o  = clocks_of[0];
   for (genvar k = 0; k < Chains; k++) begin : gen_chain
     localparam int unsigned Own = (k == Chains - 1) ? Pins - k * ChainPins : ChainPins;
-    logic [AmplitudeBits-1:0] level;
-    logic                     inside_1, inside_2;
+    logic [AmplitudeBits-1:0] level_n;       // inverted: see msn_pin_limits
+    logic                     inside_1, inside_2, above;
+    logic [SlotBits-1:0]      unused_above;
     logic [Word-1:0]          word, unused_data;
     msn_ram #(.Words(ChainPins), .Width(AmplitudeBits)) u_levels (
       .clk_i, .write_i(in_valid_i && lane == IndexBits'(k)), .write_address_i(lane_place),
-      .write_data_i(in_level_i),
-      .read_i(gather || gather_1), .read_address_i(LaneBits'(position)), .out_data_o(level)
+      .write_data_i(~in_level_i),
+      .read_i(gather || gather_1), .read_address_i(LaneBits'(position)), .out_data_o(level_n)
     );
+    assign {above, unused_above} = {1'b0, slot} + {2'b01, level_n};  // slot > level
     always_ff @(posedge clk_i) begin
       inside_1 <= 32'(position) < Own;
       inside_2 <= inside_1;
-      if (gather_2) word <= {word[Word-2:0], inside_2 && level != '0 && slot <= SlotBits'(level)};
+      if (gather_2) word <= {word[Word-2:0], inside_2 && level_n != '1 && !above};
     end
     msn_spi_shift #(.Bits(Word), .DataBits(Word), .Half(Half)) u_spi (
       .clk_i, .rst_i, .start_i(word_start), .again_i(1'b0), .command_i(word), .word_o(unused_word[k]),
@@ -176,7 +178,8 @@ module msn_pin_shift #(
       .spi_sclk_o(clocks_of[k]), .spi_mosi_o(hv_data_o[k]), .spi_miso_i(1'b0)
     );
     logic unused;
-    assign unused = ^{unused_data, unused_word[k], unused_cs_n[k], runs[k], dones[k], clocks_of[k]};
+    assign unused = ^{unused_data, unused_above, unused_word[k], unused_cs_n[k], runs[k], dones[k],
+                      clocks_of[k]};
   end
 
   msn_check u_polarity (

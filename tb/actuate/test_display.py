@@ -226,7 +226,7 @@ async def a_fault_of_the_sensor_switches_off(dut):
     once = ("scan_lost", "adc_timeout", "adc_mistagged")
     lasting = ("health_railed", "health_dead", "health_blinking")
     for name in once + lasting:
-        assert bench.high(dut.hv_bl_o) and bench.high(dut.hv_pol_o) and bench.high(dut.hv_dir_o)
+        assert bench.high(dut.hv_bl_o) and bench.high(dut.hv_pol_o) and not bench.high(dut.hv_dir_o)
         # A counter's lowest bits.
         dut.sensor_i.value = members.word("status", {name: 12 if name == "scan_lost" else 1})
         await bench.clocks(dut, 4)

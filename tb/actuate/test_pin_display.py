@@ -280,7 +280,7 @@ async def rests_in_reset(dut):
     await bench.inputs_in_reset(
         dut, "hv_clk_o", "hv_le_o", "hv_bl_o", "running_o", "pins_o", "limited_o", "dropped_o"
     )
-    assert bench.high(dut.hv_pol_o) and bench.high(dut.hv_dir_o)
+    assert bench.high(dut.hv_pol_o) and not bench.high(dut.hv_dir_o)
 
 
 EVIDENCE = {

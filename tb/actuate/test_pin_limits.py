@@ -184,8 +184,8 @@ async def sums_go_on_beyond_their_width(dut):
 async def an_upset_leaves_with_the_window(dut):
     """A bit of what a pass holds and writes, of a pass that drives all pins or of the rest after it. Eight
     sevenths later the duty is met exactly, by each pin."""
-    names = "sum_a sum_b begun_b total_a run_a on_a charge seventh full fresh due closing reading compose"
-    names += " turning valid last place write_place counted drives keeps_off"
+    names = "sum_a sum_b begun_b total_a run_a_n on_a charge seventh full fresh due closing reading compose"
+    names += " turning valid last place write_place counted_n drives keeps_off"
     await bench.start(dut, **REST | {"running_i": 1})
     drive, pins, draw = Driven(dut), dut.Pins.value.to_unsigned(), random.Random(bench.SEED)
     on, off = [1] * pins, [0] * pins

@@ -32,6 +32,7 @@ from meissner.twins.link.registers import Registers
 from meissner.twins.link.registers import settings as all_settings
 from meissner.twins.link.uart import levels
 from parts.ad7606 import Ad7606
+from parts.hv507 import Hv507
 from parts.mcp3208 import Mcp3208
 from parts.timing import changed
 
@@ -790,6 +791,63 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     await bench.reset(dut)
     counters = ("scan.dropped", "link.rejected", "tare.refused", "tare.swallowed")
     assert await read(host, *counters, rest=8 * 700) == [0] * 4
+
+
+@bench.applies(lambda dut: case_of(dut)[0] == "array" and bench.whole(dut))
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def what_cannot_be_trusted_turns_all_pins_off(dut):
+    """At the drivers' outputs, in the clocks after the cause: a converter that does not answer, a taxel at
+    the rail, no enable, a reset. The drivers' model refuses blanking with polarity low at
+    any time."""
+    name, build = case_of(dut)
+    host, sensor, _ = await begin(dut, name, build)
+    late = lambda violation: None if str(violation)[:2] == "t_" else Hv507.fail(None, violation)
+    lines = [getattr(dut, f"hv_{pin}_o") for pin in ("data", "clk", "le", "bl", "pol")]
+    driver = Hv507(*lines, 1, report=late)
+    array, wait = dut.gen_array.u_sensor, lambda clocks: Timer(PERIOD_NS * clocks, "ns")
+    rests = 100 + 40 * np.indices((ROWS, COLUMNS))[0]
+    sensor.codes = [rests] * 18 + [rests + 900]
+    settings = {"link.images": 0, "scan.period": 2500, "health.still": 0, "health.blink": 0, "health.rail": 1}
+    await write(host, settings | {"display.increment": (1 << 32) - 1}, rest=1500)
+
+    async def drives():
+        """Wait until all pins are on."""
+        while sum(driver.outputs) != 6:
+            await FallingEdge(dut.hv_le_o)
+            await RisingEdge(dut.clk_i)
+        assert bench.high(dut.hv_bl_o)
+
+    async def off(cause, clocks=4):
+        await wait(clocks)
+        assert not any(driver.outputs) and not bench.high(dut.hv_bl_o), cause
+
+    await wait(18 * 2500)  # frames, to tare
+    await drives()
+    await FallingEdge(dut.clk_i)
+    lost = array.gen_adc.u_scan_adc.u_scan.lost
+    lost.value = bench.read(lost) + 1
+    await off("no answer")
+    assert any(driver.latches)  # it is the blanking that turns them off
+    await drives()
+    railed = rests + 900
+    railed[1, 2] = 4095
+    sensor.codes.append(railed)
+    while not bench.read(array.u_forces.gen_health.u_health.railed_count):
+        await wait(200)
+    await off("rail", 250)
+    sensor.codes.append(rests + 900)
+    await write(host, {"health.clear": 1}, rest=1500)
+    await drives()
+    await write(host, {"display.enable": 0}, rest=1500)
+    await off("enable", 1)
+    await write(host, {"display.enable": 1}, rest=1500)
+    await drives()
+    sensor.part.report = lambda violation: None  # the reset may break off a transfer
+    await RisingEdge(dut.clk_i)
+    dut.rst_i.value = 1
+    await off("reset", 2)
+    dut.rst_i.value = 0
+    await off("no frame yet", 300)
 
 
 @bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels", "hand") and bench.whole(dut))

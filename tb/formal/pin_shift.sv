@@ -9,7 +9,7 @@ module formal_pin_shift #(
   parameter  int unsigned AmplitudeBits = 4,
   parameter  int unsigned ClkKhz        = 25_000,
   parameter  int unsigned SclkKhz       = 8_000,
-  parameter  bit          Direction     = 1'b1,
+  parameter  bit          Direction     = 1'b0,
   localparam int unsigned SlotBits      = AmplitudeBits + 1
 ) (
   input logic                     clk_i,

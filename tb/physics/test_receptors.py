@@ -46,6 +46,12 @@ def test_each_channel_is_the_most_sensitive_where_it_should_be():
     assert dips["FA-I"] == 40 and dips["FA-II"] == dips["SA-II"] == 250
 
 
+def test_pacini_falls_by_12_db_an_octave():
+    """From 40 Hz to its best at about 250 Hz, published; other knots are from memory."""
+    high, low = threshold_db("FA-II", np.array([40.0, 250.0]), receptors.PLOTTED_CM2)
+    assert (high - low) / np.log2(250 / 40) == pytest.approx(12, abs=1)
+
+
 def test_the_area_of_the_contactor():
     """Ten times the area, 10 dB, below 0.1 cm2; above 3.3 dB a decade on the fingertip, 10 on the thenar.
     From 0.008 to 0.0007 cm2 10 log10(80 / 7) = 10.58 dB. No other channel has it."""

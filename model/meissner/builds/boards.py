@@ -229,8 +229,8 @@ BOARDS = {
                 "grip": {"mhz": 50.0, "device": "25F"},
                 "array64": {"mhz": 100.0, "device": "25F"},
                 "full": {"mhz": 100.0, "device": "45F"},
+                "display": {"mhz": 50.0, "device": "25F"},
             },
-            left_out={"display": UNMEASURED},
         ),
         Board(
             name="orangecrab",
@@ -243,8 +243,8 @@ BOARDS = {
             bitstream=".bit",
             area=ECP5_AREA,
             rams={"": 56},
-            configs={name: {"mhz": 48.0} for name in ("slip1", "fingertip", "cop4", "grip")},
-            left_out={"display": UNMEASURED} | _too_few(18),
+            configs={name: {"mhz": 48.0} for name in ("slip1", "fingertip", "cop4", "grip", "display")},
+            left_out=_too_few(18),
         ),
         Board(
             name="tangnano20k",

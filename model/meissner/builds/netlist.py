@@ -21,6 +21,8 @@ BOXES = {
     "ecp5": "read_verilog -lib +/ecp5/cells_bb.v; ",
     "gowin": "read_verilog -lib +/gowin/cells_xtra_gw2a.v; ",
 }
+# A masked bit of an iCE40's RAM becomes a port that writes never, at address x, which Verilator refuses.
+PORTS = {"ice40": "opt_muxtree; opt_reduce; opt_expr; opt_mem; "}
 # No build uses this cell, and Yosys would take a minute to read it.
 SLOW = "SB_SPRAM256KA"
 
@@ -80,7 +82,8 @@ def verilog(
     before += f"{keep}{yowasp.synthesis(synth, top)}; "
     before += "write_verilog -noattr "
     # The netlist is read in a new run, because synthesis leaves its own black boxes in the design.
-    after = f"; hierarchy -top {top}; {keep}proc; flatten; opt_expr; opt_clean; check -assert; "
+    after = f"; hierarchy -top {top}; {keep}proc; flatten; opt_expr; {PORTS.get(cells, '')}opt_clean; "
+    after += "check -assert; "
     after += "write_verilog -noattr "
     digest = hashlib.sha256((before + after + text).encode())
     for source in yowasp.rtl(cells, whole):

@@ -76,8 +76,9 @@ ORIGINS = {
     "CHANNELS": (
         "read off",
         "fields, densities, depths: table 1. Knots: the curves of Bolanowski et al. 1988 and Gescheider et "
-        "al. 2001, from memory to about 3 dB, unverified; within that placed so that figures 8 to 11 come "
-        "out",
+        "al. 2001, their levels from memory to about 3 dB, unverified; within that placed so that figures 8 "
+        "to 11 come out. FA-II falls by about 12 dB an octave from 40 Hz to its best, about 250 Hz: the "
+        "abstract of Gescheider and Verrillo 1979, of Verrillo 1963",
         "every conclusion; docs/papers/optacon.md has what each moves by",
     ),
     "TIP_CM2": ("published", "Optacon-II paper, figure 12 and section 5.2", "conclusion 4"),
@@ -93,18 +94,25 @@ ORIGINS = {
     ),
     "SUMS_CM2": (
         "published",
-        "Gescheider et al., fingertip, 300 Hz: 3 dB a doubling between 0.025 and 0.10 cm2",
+        "Gescheider et al. 2002, fingertip, 300 Hz, as a later paper cites them: 3 dB a doubling between "
+        "0.025 and 0.10 cm2",
         "conclusion 4 with 0.008 cm2",
     ),
-    "DECADE_DB": ("published", "Verrillo; Gescheider et al.: 3 dB a doubling of the area", "conclusion 4"),
+    "DECADE_DB": (
+        "published",
+        "abstract of Craig and Sherrick 1969: 3 dB a doubling of the area at 250 Hz; Verrillo, as a later "
+        "paper cites him: on the thenar from 0.02 to 2.9 cm2, at 80 to 320 Hz, not at 25 and 40 Hz",
+        "conclusion 4",
+    ),
     "SLOW_HZ": (
         "published",
-        "Bolanowski et al. 1988: the lowest frequency of their curves",
+        "Bolanowski et al. 1988: the lowest frequency of their curves, also in the abstract",
         "a held pin: SA-I alone",
     ),
     "SLOPES": (
         "chosen",
-        "thenar: 3 dB a doubling to 2.9 cm2, published; fingertip: less, published without a number",
+        "thenar: 3 dB a doubling to 2.9 cm2, published; fingertip: less, without a number: abstract of "
+        "Gescheider et al. 2002",
         "with 0.008 cm2 FA-II is reached at 230 Hz and 30 V with the fingertip's, at no voltage with the "
         "thenar's",
     ),

@@ -527,6 +527,11 @@ class _Drawing:
             yield "Multiplexers: one for each input, an analogue switch such as 74HC4052 or 74HC4051."
         if build.cop4:
             yield f"Amplifiers: supplies beyond ±{build.cop4.mesh.V0:g} V, such as ±18 V."
+        if "display" in build.features:
+            yield (
+                "Pins' drivers: 5 V logic behind a buffer with TTL inputs; BL to ground and POL up by "
+                "resistors; the high voltage last (docs/pin_display.md)."
+            )
         yield "Lines that cross without a dot are apart. Open ends go where the signal says, if at all."
 
 
