@@ -50,6 +50,7 @@ threshold.
 UNMADE = "*`make wasm`, which needs Emscripten, puts the core itself here, to try in the browser.*"
 
 LINK = re.compile(r"(?<!!)\[((?:[^][]|\[[^][]*\])+)\]\(([^)#:\s]+)(#[^)\s]*)?\)")
+COMMAND = re.compile(r"^    ((?:\.venv/bin/|make |meissner |python |sudo |apt )\S.*?) {2,}(\S.*)$", re.M)
 _linked = set()
 
 
@@ -66,8 +67,13 @@ def to_sources(app, name, text):
         up = "../" * name.count("/")
         return f'<a href="{up}src/{target}.html{place or ""}">{words}</a>'
 
+    def command(found):
+        """What a command does, to its right in the page's text, gets a line of its own above it."""
+        return f"    # {LINK.sub(lambda link: link[1], found[2])}\n    {found[1]}"
+
     parts = re.split(r"(^```.*?^```$)", text[0], flags=re.M | re.S)
-    text[0] = "".join(part if part.startswith("```") else LINK.sub(link, part) for part in parts)
+    parts = [part if part.startswith("```") else LINK.sub(link, COMMAND.sub(command, part)) for part in parts]
+    text[0] = "".join(parts)
     text[0] = text[0].replace("<!-- scenes -->", gallery() if name == "gallery" else "")
     text[0] = text[0].replace("<!-- try -->", PLAYED if (TRY / "core.js").exists() else UNMADE)
 

@@ -214,7 +214,7 @@ def read_recording(path, force_path=None, volts_per_code=None, converter=None, *
     or in a column in N (see cell_forces). ``given``: column, unit and shape of meissner.readers.read.
     """
     names = ("codes", "force_n", "probed")
-    arrays = {one.name: one for one in readers.table(path, names).columns}
+    arrays = {one.name: one for one in readers.table(path, (*names, *(given.get("column") or ()))).columns}
     if names[0] in arrays:
         if force_path is not None and names[1] in arrays:
             raise ValueError(f"{path} already contains forces: omit --force")
@@ -539,10 +539,20 @@ def command(arguments, converter=None, shape=None):
     codes, force_n, said = read_recording(
         arguments.recording, arguments.force, arguments.volts_per_code, converter, **given
     )
+    if shape is not None and codes.shape[1:] != shape:
+        sizes = ["×".join(map(str, size)) for size in (codes.shape[1:], shape)]
+        raise ValueError(
+            f"{arguments.recording} has {sizes[0]} cells and {arguments.config} {sizes[1]} taxels"
+        )
     if converter is None or arguments.adc_bits is not None:
         low, high = ends(codes, arguments.adc_bits)
     else:
         low, high = converter.min_code or None, converter.max_code
+        if codes.min() < converter.min_code or codes.max() > high:
+            raise ValueError(
+                f"the codes lie in {codes.min()} .. {codes.max()}, outside {converter.min_code} .. {high} of "
+                f"the converter of {arguments.config}"
+            )
     lines, deviation_n = fit(codes, force_n, arguments.lsb, low=low, high=high)
     if files.check_out(arguments.out).suffix.lower() != ".npz":
         raise ValueError(f"{arguments.out} must be a .npz file")

@@ -1,6 +1,7 @@
 """The command ``meissner``. Bad input gives one sentence and exit code 2, and nothing is written.
 
-A command imports what it needs when it runs; meissner.parser gives the reason.
+A command imports what it needs when it runs; meissner.parser gives the reason. It is imported in ``main``,
+since Ctrl-C may come meanwhile.
 """
 
 import os
@@ -8,7 +9,6 @@ import sys
 from contextlib import contextmanager, suppress
 from importlib import import_module
 
-from meissner.parser import parser
 from meissner.terminal import plain, plain_streams
 
 
@@ -141,8 +141,10 @@ def _keep(arguments):
 def main(arguments=None):
     """Entry point; returns only on success."""
     plain_streams()
-    arguments = parser().parse_args(arguments)
     try:
+        from meissner.parser import parser
+
+        arguments = parser().parse_args(arguments)
         _keep(arguments)
         module, _, name = arguments.call.partition(":")
         getattr(import_module(module), name)(arguments)

@@ -615,9 +615,7 @@ def _config(commands):
     )
     new.add_argument("--forest", metavar="F.json", help="forest: of export-forest; without it, room for one")
     new.add_argument("--pins", metavar="MxN", help="display: rows x columns of pins (5x20)")
-    new.add_argument(
-        "--rate", metavar="HZ", help="frames a second, or max (10000; of an array or with a display max)"
-    )
+    new.add_argument("--rate", metavar="HZ", help="frames a second, or max (10000, of an array max)")
     new.add_argument(
         "--board", metavar="BOARD", help="its clock and pins; docs/boards.md (icebreaker, ulx3s)"
     )

@@ -48,7 +48,7 @@ module msn_pin_phase #(
   localparam int unsigned     PhaseBits = 40;
   localparam longint unsigned Wrap      = 64'd1 << PhaseBits;
   localparam longint unsigned ClkHz     = 64'(ClkKhz) * 1000;
-  localparam logic [31:0]     Least     = 32'((64'(MinHz) * Wrap + ClkHz - 1) / ClkHz);
+  localparam logic [31:0]     Least     = 32'(64'(MinHz) * Wrap / ClkHz);
   localparam logic [31:0]     Largest   = 32'(64'(MaxHz) * Wrap / ClkHz);
   localparam int unsigned     RateBits  = $clog2(64'(Largest) + 1);  // below 32: MaxHz is at most ClkHz / 512
   localparam int unsigned     LeastBits = $clog2(64'(Least) + 1);

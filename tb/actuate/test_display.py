@@ -13,7 +13,7 @@ from cocotb.utils import get_sim_time
 import bench
 import members
 from meissner.builds import config
-from meissner.twins.actuate.display import Display, DisplayConfig, words
+from meissner.twins.actuate.display import DisplayConfig, words
 from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize
 from meissner.twins.actuate.render import RenderSettings
 from parts.hv507 import Hv507
@@ -99,7 +99,11 @@ async def stripes_move_where_a_slip_began_to_go(dut):
     dut.raised_i.value, dut.octant_i.value, dut.slip_i.value = 1, 3, 1
     await bench.clocks(dut, 1)
     dut.raised_i.value, dut.octant_i.value = 0, 5
-    for phase in range(3):
+    for phase, octant in enumerate((3, 3, 3, 4, 4, 3)):
+        if phase > 2:  # another slip begins
+            dut.raised_i.value, dut.octant_i.value = 1, octant
+            await bench.clocks(dut, 1)
+            dut.raised_i.value, dut.octant_i.value = 0, 5
         dut.cop_valid_i.value = 1
         await bench.clocks(dut, 1)
         dut.cop_valid_i.value = 0
@@ -109,7 +113,7 @@ async def stripes_move_where_a_slip_began_to_go(dut):
         for _ in range(PERIOD // 50):
             await bench.clocks(dut, 50)
             seen |= here.on
-        assert {tuple(pin) for pin in np.argwhere(seen).tolist()} == stripes(3, phase, *GRID)
+        assert {tuple(pin) for pin in np.argwhere(seen).tolist()} == stripes(octant, phase, *GRID)
 
 
 @felt
@@ -119,12 +123,12 @@ async def what_the_sensor_feels_is_on_the_pins_in_time(dut):
     here, draw = await Bench().start(dut), random.Random(bench.SEED)
     await here.image(np.zeros(SHAPE))
     await bench.clocks(dut, 2 * PERIOD + SIZE.lead + 400)
-    twin = Display(DisplayConfig(GRID, SIZE, render=RenderSettings(1, 100)), SHAPE)
+    twin = DisplayConfig(GRID, SIZE, render=RenderSettings(1, 100)).render_of(SHAPE)
     image = np.array([[0, 300, 0, 0], [0, 250, 0, 999], [7, 0, 0, 0]])
     await bench.clocks(dut, draw.randrange(PERIOD))
     await here.image(image)
-    levels = twin.feel(image)
-    most = twin.render.clocks + PERIOD + SIZE.lead
+    levels = twin.next(image)
+    most = twin.clocks + PERIOD + SIZE.lead
     for clock in range(most + 1):  # noqa: B007
         await bench.ReadOnly()
         if here.on.any():
@@ -185,6 +189,12 @@ async def a_hosts_words_are_a_frame(dut):
     await here.host(np.full(GRID, 3))
     await bench.clocks(dut, 2 * PERIOD + SIZE.lead + 400)
     assert here.on.all()
+    numbers = np.random.default_rng(bench.SEED).integers(0, 256, GRID)
+    for levels in (numbers, 255 - numbers):
+        await here.host(levels)
+        clocks, _ = await here.lit(4)
+        expected = [0 if level == 0 else 5000 * (min(level, 3) + 1) for level in levels.ravel().tolist()]
+        assert np.abs(clocks - expected).max() < 8
     levels = np.array([[255, 0, 1, 0, 2], [0, 3, 0, 0, 9]])
     await here.host(levels)
     await here.host(levels * 0, cut=2)
@@ -217,7 +227,8 @@ async def a_fault_of_the_sensor_switches_off(dut):
     lasting = ("health_railed", "health_dead", "health_blinking")
     for name in once + lasting:
         assert bench.high(dut.hv_bl_o) and bench.high(dut.hv_pol_o) and bench.high(dut.hv_dir_o)
-        dut.sensor_i.value = members.word("status", {name: 1})
+        # A counter's lowest bits.
+        dut.sensor_i.value = members.word("status", {name: 12 if name == "scan_lost" else 1})
         await bench.clocks(dut, 4)
         assert not bench.high(dut.hv_bl_o) and not here.on.any(), name
         await bench.clocks(dut, 2 * PERIOD + SIZE.lead)
@@ -253,6 +264,16 @@ def test_display(sensor):
 
 def test_refuses_illegal_parameters():
     assert "Display = 1 must go with" in bench.refuses("display", {"Suits": 0})
+
+
+def test_config_by_hand():
+    config = DisplayConfig(GRID, SIZE, host=True, octant=5)
+    names = "PinRows PinColumns PinChains AmplitudeBits"
+    assert [config.parameters[name] for name in names.split()] == [2, 5, 1, 2]
+    assert {"enable": 1, "source": 1, "octant": 5, "health": 1, "floor": 1}.items() <= config.settings.items()
+    for wrong in ({"octant": 8}, {"grid": (2, 4)}, {"grid": (0, 9)}):
+        with pytest.raises(ValueError, match=r"octant|2 x 4|rows"):
+            DisplayConfig(**{"grid": GRID, "size": SIZE} | wrong)
 
 
 def test_words_by_hand():

@@ -20,7 +20,7 @@ class Driven:
 
     def __init__(self, dut):
         self.dut, self.frame, self.levels, self.done = dut, [0] * dut.Pins.value.to_unsigned(), [], 0
-        self.read, self.whole = [0, 0], True
+        self.read, self.whole, self.begun = [0, 0], True, 0
 
     async def clock(self, **pulses):
         dut = self.dut
@@ -33,6 +33,7 @@ class Driven:
             self.levels.append(bench.read(dut.out_level_o))
             assert not self.whole or bench.high(dut.out_last_o) == (len(self.levels) == len(self.frame))
         self.done += bench.high(dut.frame_done_o)
+        self.begun += bench.high(dut.frame_begun_o)
         busy = bench.high(dut.busy_o)
         await bench.RisingEdge(dut.clk_i)
         return busy
@@ -44,12 +45,12 @@ class Driven:
             pass
 
     async def period(self, length, **pulses):
-        self.levels, self.done = [], 0
+        self.levels, self.done, self.begun = [], 0, 0
         self.dut.length_i.value = length
         await self.clock(begin_i=1, **pulses)
         self.dut.length_i.value = 4000  # valid in the clock of the beginning
         await self.run()
-        assert self.done == 1
+        assert self.done == 1 and self.begun == len(self.frame) + 2  # until the last level has come
         return self.levels
 
 
@@ -163,14 +164,19 @@ async def a_period_may_end_within_its_pass(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def sums_go_on_beyond_their_width(dut):
-    """Eight sevenths of a period each have 8 x 5001 ticks, sixty have four times 2^16. A pin that was on in
-    all eight is off at a duty of as many and a period's room, less one."""
+    """Eight sevenths of a period each have 8 x 7167 or 8 x 6000 ticks, ten more than 2^16. A pin that was on
+    in all eight is off at a duty of as many and a period's room, less one. Also each `most`."""
     await bench.start(dut, **REST | {"running_i": 1})
-    drive = Driven(dut)
-    drive.frame = [1] * dut.Pins.value.to_unsigned()
-    for n in range(60):
-        dut.cfg_duty_i.value = 8 * 5001 + 5002 - (n == 57)
-        assert (await drive.period(5000, turn_i=1))[0] == (n != 57), n
+    drive, pins = Driven(dut), dut.Pins.value.to_unsigned()
+    drive.frame = [1] * pins
+    for ticks in (7167, 6000):
+        for n in range(30):
+            dut.cfg_duty_i.value = 8 * ticks + ticks + 1 - (n == 27)
+            assert (await drive.period(ticks - 1, turn_i=1))[0] == (n != 27), n
+        await bench.reset(dut)
+    for most in range(pins + 3):
+        dut.cfg_most_i.value = most
+        assert sum(await drive.period(1)) == min(most, pins)
 
 
 @bench.applies(lambda dut: bench.whole(dut) and dut.Pins.value.to_unsigned() == 5)

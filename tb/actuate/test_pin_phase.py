@@ -25,7 +25,7 @@ def value(dut, name):
 
 def limits(dut):
     hz = 1000 * value(dut, "ClkKhz")
-    return -(-value(dut, "MinHz") * WRAP // hz), value(dut, "MaxHz") * WRAP // hz
+    return tuple(value(dut, name) * WRAP // hz for name in ("MinHz", "MaxHz"))
 
 
 def loop_of(dut):
@@ -93,6 +93,7 @@ async def follows_the_loop(dut, rate):
         "cfg_increment_i": lambda: draw.choice(
             [
                 *(0, least - 1, least, largest, largest + 1, (1 << 32) - 1),
+                *(largest - 1, largest - draw.randrange(1 << draw.randrange(1, 20))),
                 *(draw.randint(least, largest), 1 << draw.randrange(32), draw.getrandbits(32)),
             ]
         ),
@@ -131,7 +132,7 @@ async def a_seventh_ends_in_any_clock_of_a_start_and_of_a_wrap(dut):
 
 
 @quick
-@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="ms")
 async def bursts_are_counted_in_periods(dut):
     """By hand; the first period after a start and after a change of the frequency is silent."""
     least, largest = limits(dut)
@@ -141,6 +142,7 @@ async def bursts_are_counted_in_periods(dut):
         (3, 1, 0, "0 100 100 1"),  # in the fourth period: over
         (11, 9, 0, "11111111 00 11111111100 1111"),  # in the second one
         (2, 1, 1, "0 10 10 10 1"),  # in the fifth: over; another frequency, so the next begins again
+        (150, 149, 0, "1" + 149 * "1" + "0" + "11"),
         (0, 0, 1, "111"),
         (1, 1, 1, "111"),
         (4, 4, 1, "1111 111"),
@@ -177,6 +179,24 @@ async def keeps_the_frequency(dut, share):
     lengths = [b - a for a, b in pairwise(times[1:])]
     assert {abs(length - exact) < 1 for length in lengths} == {True}
     assert abs(times[-1] - times[1] - exact * len(lengths)) < 1
+
+
+@quick
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(stop=[3, 0x2C35])
+async def is_off_with_the_tick_of_stop(dut, stop):
+    """Ticks that end after the clock of the wrap that takes the last frame."""
+    _, largest = limits(dut)
+    clocks, ticks = lambda: round(get_sim_time("ns")) // 10, value(dut, "TickClocks")
+    await bench.start(dut, **QUIET | {"cfg_increment_i": largest, "cfg_stop_i": stop})
+    zero = clocks()
+    for _ in range(3):
+        await bench.RisingEdge(dut.begin_o)
+    taken = clocks() - zero
+    await bench.clocks(dut, 1)
+    dut.frame_valid_i.value = 0
+    await bench.RisingEdge(dut.off_o)
+    assert clocks() - zero == (taken + 1) // ticks * ticks + stop * ticks
 
 
 @bench.applies(lambda dut: value(dut, "ClkKhz") == 520 and bench.whole(dut))
@@ -245,4 +265,5 @@ def test_every_frequency_is_met_within_a_thousandth(clk_khz):
     for hz in (1, 230, 400, *(round(draw.uniform(1, 400), 4) for _ in range(200))):
         assert abs(increment_of(hz, clk_khz) * 1000 * clk_khz / WRAP - hz) < 0.001
     least, largest = DisplaySize(clk_khz=clk_khz).limits
-    assert least <= increment_of(1, clk_khz) + 1 and largest >= increment_of(400, clk_khz) - 1
+    assert least <= increment_of(1, clk_khz) <= least + 1  # or 1 Hz would be off
+    assert largest <= increment_of(400, clk_khz) <= largest + 1  # which counts as the largest

@@ -218,6 +218,11 @@ def test_a_weak_drive_and_slow_frames(sound):
     assert "shape" not in which, "the object is the same"
 
 
+def test_a_recording_shorter_than_three_drive_periods(sound):
+    with pytest.raises(ValueError, match="hz is too low: 1 drive periods in a recording, not 3"):
+        score(TOUCH, hz=1.0)
+
+
 def test_a_slip_that_is_seen_late(monkeypatch, sound):
     """Samples of the recording, which is kept, before the flag is seen."""
     right = scenes.optacon.touch._grip

@@ -183,15 +183,32 @@ def test_calibrate_takes_the_forces_from_another_file(tmp_path):
         assert a.files == b.files and all(np.array_equal(a[key], b[key]) for key in a.files)
 
 
+ONE = """about = "one taxel"
+clock = {mhz = 12.0}
+sensor = {kind = "array", rows = 1, columns = 1}
+adc = {part = "MCP3208", channels = 1, volts = 5.0, rate_hz = 100.0}
+"""
+
+
 def test_calibrate_takes_an_lsb_and_the_converters_bits(tmp_path):
     """Codes up to 511 look like a full converter of 9 bits; of 12 bits they are no end."""
     force_n = np.arange(6.0)[:, None, None]
     np.savez(tmp_path / "press.npz", codes=(11 + 100 * force_n).astype(int), force_n=force_n)
-    for more, lsb_n, left_out in (((), 0.001, 1), (("--adc-bits", 12, "--lsb", 0.01), 0.01, 0)):
+    (tmp_path / "one.toml").write_text(ONE)
+    cases = (
+        ((), 0.001, 1),
+        (("--adc-bits", 12, "--lsb", 0.01), 0.01, 0),
+        (("--config", "one.toml"), 0.001, 0),
+    )
+    for more, lsb_n, left_out in cases:
         done = meissner(*calibrate("press.npz", *more, "--overwrite"), cwd=tmp_path)
         assert (done.returncode, done.stdout.count("left out: 1 readings")) == (0, left_out), done.stderr
         lines = calibration.load(tmp_path / "new.npz")
         assert (lines.force_lsb_n, lines.gain[0, 0]) == (lsb_n, round(40.96 / lsb_n))
+    np.savez(tmp_path / "high.npz", codes=(11 + 900 * force_n).astype(int), force_n=force_n)
+    for given, says in (("high.npz", "outside 0 .. 4095"), ("press.npz", "1×1 cells and fingertip 3×3")):
+        config = "one.toml" if given == "high.npz" else "fingertip"
+        assert says in meissner(*calibrate(given, "--config", config, "--overwrite"), cwd=tmp_path).stderr
 
 
 def test_calibrate_names_the_dead_cells(tmp_path):
@@ -214,6 +231,10 @@ def test_ctrl_c_ends_in_one_sentence_and_leaves_nothing(tmp_path, monkeypatch, r
         cli.main([*map(str, slip(tmp_path / "in.npy", out=tmp_path / "out.npz"))])
     assert capsys.readouterr() == ("", "meissner: interrupted\n")
     assert sorted(tmp_path.iterdir()) == before
+    monkeypatch.setattr("meissner.parser.parser", interrupted)  # while the command begins
+    with pytest.raises(SystemExit, match="130"):
+        cli.main(["scenes"])
+    assert capsys.readouterr() == ("", "meissner: interrupted\n")
 
 
 def test_an_output_is_replaced_only_where_that_is_asked_for(tmp_path):

@@ -10,6 +10,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from mcap.writer import Writer
 
 from harness.command import meissner
 from meissner import host
@@ -118,6 +119,7 @@ a.txt: log sim: --out a.txt
 clock: log file:a.bin; budget --clock 12; budget --clock 12000; budget --clock 2.1e8; budget --clock nan
 a.bin: replay a.bin
 empty.mcap: replay empty.mcap
+no facts about a core's log: replay other.mcap
 oracle: replay empty.mcap --engine oracle
 other.npz: replay other.npz
 press.npz: replay press.npz --out out.txt
@@ -223,6 +225,12 @@ def inputs(tmp_path_factory):
         (folder / name).write_text(text)
     (folder / "a.bin").write_bytes(b"\0")
     (folder / "empty.mcap").write_bytes(b"")
+    with open(folder / "other.mcap", "wb") as file:
+        writer = Writer(file)
+        writer.start()
+        schema = writer.register_schema("std_msgs/msg/Int32", "ros2msg", b"int32 data")
+        writer.add_message(writer.register_channel("/tactile/slip", "cdr", schema), 1, b"\0\1\0\0\5\0\0\0", 1)
+        writer.finish()
     with log.recording(folder / "good.npz", host.Core(line.Pipe(SimulatedCore()))):
         pass
     (folder / "broken.npy").write_bytes(b"PK\x03\x04 and no more")

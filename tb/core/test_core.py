@@ -53,7 +53,7 @@ CASES = {
         "array": {"health": True, "newtons_per_count": 1e-3 / 16},
         "health": {"edges": True},
         "slip": SLIP_N,
-        "display": {"rows": 2, "columns": 3, "amplitude_bits": 3, "most_pins": 4},
+        "display": {"rows": 2, "columns": 3, "amplitude_bits": 3},
         "link": {"baud": 1_000_000, "images": True, "statistics": False},
     },
     "channels": {
@@ -139,10 +139,14 @@ def inside(name):
     return INSIDE | {block: f"{PINS[name]}.{path}" for block, path in AT_PINS.items() if name in PINS}
 
 
-class Strong(Config):
-    """The greatest gain from reset on: 16 force codes per sample code."""
+# Settings of several bits that a host cannot write: with all bits from reset on one that is cut is missing.
+FIXED = {f"{g.name}.{r.name}": f.most for g, r, f in all_settings() if not r.writable and f.width > 1}
 
-    settings = property(lambda self: super().settings | {"calibrate.preset": 65535})
+
+class Strong(Config):
+    """The greatest gain from reset on, 16 force codes per sample code; and all bits of what is fixed."""
+
+    settings = property(lambda self: super().settings | {"calibrate.preset": 65535} | FIXED)
 
 
 def configuration(name):

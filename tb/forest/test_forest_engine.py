@@ -387,16 +387,17 @@ async def counts_no_vote_of_what_cannot_be(dut):
         (nodes, {nodes: ends}, False), (nodes - 2, {nodes - 2: left(), nodes - 1: ends}, True),
         (nodes - 1, {nodes - 1: left(), nodes: ends}, False), (20, {20: left(features), 21: ends}, False),
         (20, {20: whole(0, leaves - 1)}, True),
-        (20, {20: whole(0, leaves)}, parameter(dut, "Classes") == 2),
     ]  # fmt: skip
+    classes, beyond = parameter(dut, "Classes"), [leaves, *(1 << bit | 3 for bit in range(5, 16))]
+    cases += [(20, {20: whole(0, leaf)}, classes == 2) for leaf in beyond]
     draw = random.Random(bench.SEED)
     given = small(draw, dut, 2)
     played = await begin(dut, given, lambda number: 2)
-    classes, table = parameter(dut, "Classes"), {}
+    table = {}
     for leaf in (0, 3, leaves - 1):
         table[leaf] = [65535 - leaf, leaf] if classes == 2 else [7 + leaf, 100 * leaf, 9]
     votes = [(2, 0, label << 16 | leaf, value) for leaf in table for label, value in enumerate(table[leaf])]
-    table[leaves] = [65535 - leaves, leaves]
+    table |= {leaf: [65535 - leaf, leaf] for leaf in beyond}
     for number, (root, memory, good) in enumerate(cases):
         context, dut.bank_i.value = number % 2, 0
         assert await nothing_else(played, votes if number == 0 else [], root)

@@ -81,3 +81,8 @@ def test_another_engine_is_refused():
         meissner.Forest(model, engine="float")
     with pytest.raises(ValueError, match="engines = 65"):
         meissner.Forest(model, engine="rtl", engines=65)
+
+
+def test_no_rows_are_no_decisions():
+    forest = meissner.Forest(DecisionTreeClassifier(max_depth=1).fit([[1], [2]], [3, 4]), engine="rtl")
+    assert forest.predict(np.zeros((0, 1))).shape == (0,) and str(forest.run).startswith("0 decisions/s")

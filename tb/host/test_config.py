@@ -285,6 +285,7 @@ def test_levels_that_undo_each_other_are_refused(name, key, good, bad):
         (HEALTHY | {"health": {"blink": 0}}, None, "health", "band", 65_534, 65_535),
         *((HEALTHY, None, "health", key, 255, 256) for key in ("still", "rail", "blink")),
         ("cop4", None, "load", "min_n", 65.535, 65.536),  # 16 bits of 1 mN
+        *((name, None, "adc", "sclk_khz", 2000, 2001) for name in ("fingertip", "slip1")),
         ("cop4", None, "load", "gain", 0.3326, 0.3327),  # 15 V · gain and 0.2 % within 5 V
         ("cop4", None, "cop_slip", "min_load_n", 65.535, 65.536),
         ("cop4", None, "cop_slip", "lag_ms", 4096.0, 4097.0),

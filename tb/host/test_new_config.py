@@ -116,7 +116,7 @@ def test_the_smallest_build_for_one_sensor_on_an_icebreaker(tmp_path, monkeypatc
 
 
 OFFERED = {
-    "channels": ("grip", "forest", "display", "shear_speed"),
+    "channels": ("grip", "forest", "shear_speed"),
     "array": ("grip", "forest", "display"),
     "electrodes": ("forest", "display"),
     "none": (),
@@ -246,14 +246,15 @@ def test_it_asks_on_a_terminal_for_what_no_option_says(tmp_path, monkeypatch, ca
         ("--volts 12", r"volts = 12 must lie in 0.25 .. 5.5 for the MCP3208"),
         ("--sensor electrodes --adc MCP3208", "part = 'MCP3208' must be symmetric"),
         ("--sensor array --cols 64 --converters 8 --adc AD7606 --board tangnano20k", "lines without a pin: "),
-        ("--features grip,taste", "features = 'taste' must be one of: grip, forest, display, shear_speed"),
+        ("--features grip,taste", "features = 'taste' must be one of: grip, forest, shear_speed"),
         ("--sensor electrodes --features grip", "features = 'grip' must be one of: forest, display"),
-        ("--pins 5", "pins = '5' must be rows x columns"),
-        ("--channels 2 --pins 90x90", r"pins = 8100 must"),
+        ("--sensor array --pins 5", "pins = '5' must be rows x columns"),
+        ("--sensor array --pins 90x90", r"pins = 8100 must"),
+        ("--channels 2 --pins 5x20", "features = 'display' must be one of: grip, forest, shear_speed"),
         ("--rows 3", "rows = 3 does not go with sensor = 'channels'"),
         ("--sensor none --rate max", "rate = max does not go with sensor = 'none'"),
         ("--forest F.json", "F.json"),
-        ("--channels 2 --features display --rate 10000 --board icebreaker", r"too fast for \[display\]"),
+        ("--sensor electrodes --pins 40x40 --rate 20000", r"too fast for \[display\]"),
         ("--sensor array --rows 128 --cols 128", r"window = 32 at rate_hz = .* must not last more than 5 s"),
     ],
 )

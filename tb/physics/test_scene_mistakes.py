@@ -55,7 +55,7 @@ MISTAKES = {
         world: patches = []; seconds = 1e-09
     """,
     "fingertip_cop": """
-        .: seeds = 0; -scan; rate_hz = -1
+        .: seeds = 0; -scan; rate_hz = -1; rate_hz = 1 (pull_s)
         array: rows = 4 (rows); material = "felt"
         world: kind = "dance"; pull_s = 0.4; free_s = 0; calibrate_n = 0; trees = 0; pattern = "F"
         conditions.0: rope = "h"; mode = "pull"; values = []; values = [3] (values); values = [3, 4, 5, -1]

@@ -12,7 +12,7 @@ import pytest
 import scipy.io
 
 import meissner
-from meissner import engines, host, readers
+from meissner import calibration, engines, host, readers
 from meissner.host import line, log
 from meissner.host.simulated import SimulatedCore
 from meissner.physics.adc import Adc
@@ -304,6 +304,11 @@ def test_arrays(tmp_path):
     scipy.io.savemat(tmp_path / "h.mat", {"run": {"vc": x[0], "t": np.arange(5) / 8, "gain": 2.0}})
     found = readers.read(tmp_path / "h.mat")
     assert (found.names, found.rate_hz) == (("run.vc",), 8) and found.values.tolist() == [x[0].tolist()]
+    damaged = bytearray((tmp_path / "f.mat").read_bytes())
+    damaged[128 + 48] = 250  # the type of the numbers of t, with which SciPy 1.17 ends by a signal
+    (tmp_path / "i.mat").write_bytes(damaged)
+    with pytest.raises(ValueError, match=r"i\.mat is not a complete \.mat file"):
+        readers.read(tmp_path / "i.mat")
     np.save(tmp_path / "o.npy", np.array([{}, None]), allow_pickle=True)  # may run code
     with pytest.raises(ValueError, match=r"o\.npy is not a \.npy file of numbers"):
         readers.read(tmp_path / "o.npy")
@@ -417,6 +422,9 @@ def test_an_mcap_of_any_robot(tmp_path):
     with pytest.raises(ValueError, match=r"numbers in /touch, /other: choose one with --column"):
         readers.read(path)
     assert readers.read(path, ["/other"]).values.shape == (3, 2)
+    np.save(tmp_path / "n.npy", [0.0, 1.5])
+    codes, *_ = calibration.read_recording(path, tmp_path / "n.npy", column=["/other"], shape=(1, 3))
+    assert codes.tolist() == [[[0, 7, 5]], [[1, 6, 5]]]
     bag_of(path, {"/touch": (kind, ARRAY, [*rows, (2 * 10**9, cdr_array([1]))])})
     with pytest.raises(ValueError, match="change their size"):
         readers.read(path)
@@ -426,7 +434,8 @@ def test_an_mcap_of_any_robot(tmp_path):
         readers.read(path, ["/touh"])
     cdr = b"\0\1\0\0"
     octets = [(5 + k, cdr + struct.pack("<I3B", 3, k, 7, 200 + k)) for k in range(2)]
-    bag_of(path, {"/touch": ("a/msg/Octets", "uint8[] data", octets)})
+    camera = ("a/msg/CompressedImage", "string format\nuint8[] data", [(9, cdr + bytes(12))])
+    bag_of(path, {"/touch": ("a/msg/Octets", "uint8[] data", octets), "/camera": camera})
     assert readers.read(path).values.tolist() == [[0, 1], [7, 7], [200, 201]]
     force = [(5 + k, cdr + struct.pack("<I4xdd", k, k / 4, -k)) for k in range(3)]
     bag_of(path, {"/force": ("a/msg/Force", "uint32 seq\nfloat64 x\nfloat64 y", force)})

@@ -9,6 +9,7 @@ import pytest
 from meissner.physics.rope import Pull
 from meissner.rope import labels, train
 from meissner.rope.labels import PATTERNS, Section
+from meissner.scenes.rope.run import answer
 
 
 def test_the_published_set():
@@ -89,3 +90,12 @@ def test_measures_by_hand():
     truth, found = np.array([0, 0, 0, 0, 1, 1]), np.array([0, 0, 0, 1, 1, 0])
     assert train.measures(truth, found) == (4 / 6, 3 / 4, 1 / 2, 3 / 4, 1 / 2)
     assert train.measures(np.zeros(2), np.zeros(2)) == (1.0, 1.0, None, 1.0, None)
+
+
+def test_the_answer_counts_only_ropes_that_slip():
+    rows = [
+        {"condition": name, "slipping_sections": slips, "oscillation": rms}
+        for name, slips, rms in (("a", 0, 11.5), ("b", 2, 9.25), ("c", 1, 4.5))
+    ]
+    assert answer({"conditions": rows[:1]}) == "The rope does not slip."
+    assert "by 4.5 codes rms (c) to 9.2 (b)." in answer({"conditions": rows})

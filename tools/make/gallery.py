@@ -2,7 +2,7 @@
 
     python tools/make/gallery.py [SCENE ...]
 
-The figure of the last seed, which `meissner run` writes beside its report.
+The picture that `meissner run` writes beside its report; of several conditions with one each, the last.
 """
 
 import shutil
@@ -21,10 +21,10 @@ def main(names):
     for name in names or scenes.names():
         with tempfile.TemporaryDirectory() as folder:
             run.run(scenes.load(name), "float", Path(folder))
-            pictures = sorted(Path(folder).glob("*.png"), key=lambda path: (path.stem != name, path.name))
+            pictures = sorted(Path(folder).glob("*.png"), key=lambda path: (path.stem == name, path.name))
             if not pictures:
                 raise SystemExit(f"{name} drew no picture")
-            shutil.copy(pictures[0], OUT / f"{name}.png")
+            shutil.copy(pictures[-1], OUT / f"{name}.png")
         print(f"build/gallery/{name}.png", flush=True)
 
 

@@ -23,8 +23,9 @@ ROOT = Path(__file__).parents[2]
 # In docs: {name: (line, second of the page at which it is taken, height)}.
 PICTURES = {
     "live_page": ("sim:", 11, 990),
-    "start/live_fingertip": ("core:fingertip", 3, 990),
-    "start/live_array": ("sim:fsr_64x64", 8, 990),
+    "start/live_slip1": ("core:slip1", 5.4, 720),
+    "start/live_fingertip": ("core:fingertip", 1.5, 990),
+    "start/live_array": ("sim:fsr_64x64", 8.4, 990),
 }
 
 
@@ -94,7 +95,10 @@ def smaller(path):
     """The same with a palette, a third of the size."""
     from PIL import Image
 
-    Image.open(path).convert("P", palette=Image.Palette.ADAPTIVE, colors=128).save(path, optimize=True)
+    few = (
+        Image.open(path).convert("RGB").quantize(256, Image.Quantize.MEDIANCUT, kmeans=4)
+    )  # rare colours, too
+    few.save(path, optimize=True)
 
 
 if __name__ == "__main__":

@@ -171,13 +171,15 @@ class Config:
 
     @cached_property
     def settle_clocks(self) -> int:
+        settling = self.settling
         with naming("[adc]"):
-            return self.settling.clocks(self._array_adc.settle_us)
+            return settling.clocks(self._array_adc.settle_us)
 
     @cached_property
     def scan(self) -> ScanAdc:
         """Twin of the scan, for an array."""
-        return self._array_adc.scan(*self.shape, self.clk_khz)
+        with naming("[adc]"):
+            return self._array_adc.scan(*self.shape, self.clk_khz)
 
     @cached_property
     def converter(self) -> AdcSpi:

@@ -132,6 +132,8 @@ def _read(name: str, file: Any, fastest: bool, least_period: int = 1) -> Config:
     )
     with naming("[adc]"):
         limits = base.input
+    if base.array:
+        _ = base.scan  # whose limits are those of [adc]
     if fastest:
         base = replace(base, rate_hz=base.most_rate_hz(least_period))
     if isinstance(file, keys.ArrayFile):

@@ -94,6 +94,8 @@ def _answers(given: Namespace) -> dict[str, Any]:
         signed = PARTS[found["adc"]].signed
         found["volts"] = of("volts", "full scale of the converter, volts", 5.0 if signed else 3.3, float)
         offered = {name: FEATURES[name] for name in FEATURES if name in FILES[sensor].__struct_fields__}
+        if sensor == "channels":  # whose codes are highest at rest, when every pin would be on
+            offered.pop("display")
         implied = [name for name, option in (("forest", given.forest), ("display", given.pins)) if option]
         said = of("features", f"features, with commas: {several(offered)}", ",".join(implied))
         chosen = {*filter(None, map(str.strip, said.split(","))), *implied} - {"none"}
@@ -107,8 +109,7 @@ def _answers(given: Namespace) -> dict[str, Any]:
         if not re.fullmatch(r"\d{1,3}x\d{1,3}", found["pins"]):
             raise ValueError(f"pins = {found['pins']!r} must be rows x columns, such as 5x20")
     if sensor != "none":
-        steady = sensor != "array" and "display" not in found["features"]
-        found["rate"] = of("rate", "frames a second, or max", "10000" if steady else "max")
+        found["rate"] = of("rate", "frames a second, or max", "max" if sensor == "array" else "10000")
     found["board"] = of("board", f"board: {', '.join(EVERY)}, or none", None)
     if found["board"] is not None:
         one_of("board", found["board"], EVERY)
@@ -342,8 +343,6 @@ def _display(found: dict[str, Any], out: Path, mhz: float) -> str:
     shows = {
         "array": "floor_n = 0.05            # a pin is on from this mean force of its taxels\n"
         "step_n = 0.2              # each more of these is a level more\n",
-        "channels": "floor_codes = 65535       # no image, since codes fall with the force\n"
-        "cue_frames = 255          # while it slips, stripes that move a pin every so many samples\n",
         "electrodes": "marker = true             # the pin under the centre of pressure\n"
         "cue_frames = 100          # while it slips, stripes that move a pin every so many samples\n",
     }[found["sensor"]]

@@ -34,12 +34,13 @@ class Run:
     @property
     def share(self) -> float:
         """Of the clocks, those in which an engine compares a node."""
-        return self.steps / self.clocks / self.engines
+        return self.steps / max(self.clocks, 1) / self.engines
 
     def __str__(self) -> str:
         rows = len(self.index)
+        each = self.clocks / max(rows, 1)
         return (
-            f"{rows / self.seconds:.0f} decisions/s simulated; {self.clocks / rows:.1f} clocks a decision, "
+            f"{rows / self.seconds:.0f} decisions/s simulated; {each:.1f} clocks a decision, "
             f"in {100 * self.share:.1f} % of them each of {self.engines} engines compares a node"
         )
 

@@ -111,11 +111,11 @@ def block_rams(size: Size, cells: str, engines=1, banks=1, lanes=LANES, sdram=Fa
     if size.classes != 2:
         rows = banks * size.leaves * -(-size.classes // lanes)
         each += min(size.classes, lanes) * memory(rows, 16)
-    # Places of the walkers; queues of nodes, leaves and tags.
-    queued = context + address, context + address + tag, context + 17 + tag, tag
+    # Places of the walkers; queues of nodes, leaves and tags. A bit beside the context tells two rows apart.
+    queued = context + 1 + address, context + 1 + address + tag, context + 1 + 17 + tag, tag
     each += sum(fifo(1 << tag, bits) for bits in queued)
     queues = 4 * fifo(1 << tag, 20 + tag) if sdram else 0
-    row_votes_times = memory(size.features, size.bits) + memory(size.classes, 32) + fifo(4, 48)
+    row_votes_times = memory(size.features, size.bits) + memory(size.classes, 32) + fifo(1 << context, 48)
     return engines * each + queues + row_votes_times
 
 

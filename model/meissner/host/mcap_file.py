@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Found = dict[str, str] | tuple[str, int, Any]  # facts, or topic, ns and message
 
 METADATA = "meissner"
+NO_FACTS = "it has no facts about a core's log"
 # rosbag2's own words for a topic's quality of service: reliable, keep the last ten, volatile.
 QOS = (
     "- history: 1\n  depth: 10\n  reliability: 1\n  durability: 2\n"
@@ -107,7 +108,7 @@ def read(path: str | Path) -> tuple[dict[str, str], list[tuple[int, packets.Item
             elif (item := _item(topic, stamp, message, images)) is not None:
                 items.append((stamp, item))
     if not facts:
-        raise ValueError("it has no facts about a core's log")
+        raise ValueError(NO_FACTS)
     return facts, items, whole
 
 
@@ -128,7 +129,10 @@ def _of_whole(file: BinaryIO) -> Iterator[Found]:
     from mcap_ros2.decoder import DecoderFactory
 
     reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
-    yield from (data.metadata for data in reader.iter_metadata() if data.name == METADATA)
+    facts = [data.metadata for data in reader.iter_metadata() if data.name == METADATA]
+    if not facts:
+        raise ValueError(NO_FACTS)
+    yield from facts
     for decoded in reader.iter_decoded_messages(log_time_order=False):
         yield decoded.channel.topic, decoded.message.log_time, decoded.decoded_message
 

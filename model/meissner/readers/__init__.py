@@ -70,7 +70,9 @@ def table(path: str | PathLike[str], column: Sequence[str] = ()) -> Table:
             raise ValueError(what) from None
         broken = isinstance(problem, zipfile.BadZipFile | EOFError)
         what = "it is cut off or of another kind" if broken else what[:160]
-        raise ValueError(f"{path} is not a complete {path.suffix or 'file'} file: {what}") from None
+        raise ValueError(
+            f"{path} is not a complete {f'{path.suffix} file' if path.suffix else 'bag'}: {what}"
+        ) from None
 
 
 def _is_hdf5(path: Path) -> bool:

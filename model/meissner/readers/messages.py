@@ -99,8 +99,10 @@ def _numbers(message: Any, path: str = "") -> Iterator[tuple[int, str, NDArray[A
     for name in names:
         value = getattr(message, name)
         where = path if name == "data" else f"{path}.{name}"
-        if isinstance(value, bytes | bytearray | memoryview) and not {"format", "point_step"} & {*names}:
-            value = np.frombuffer(value, np.uint8)  # uint8[]: not of a compressed image or a cloud of points
+        if isinstance(value, bytes | bytearray | memoryview):
+            value = np.frombuffer(value, np.uint8)  # uint8[]
+        if {"format", "point_step"} & {*names} and getattr(value, "dtype", None) == np.uint8:
+            continue  # a compressed image, a cloud of points
         if isinstance(value, bool | np.bool_ | str | bytes):
             continue
         if isinstance(value, int | float | np.number):

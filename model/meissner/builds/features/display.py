@@ -116,7 +116,7 @@ def config(keys: Keys, base: "Config") -> DisplayConfig:
                 f"{4095 / keys.drive_hz:.4g}, drive periods"
             )
     settings = DisplaySettings(
-        increment=min(max(increment_of(exact(keys.drive_hz), base.clk_khz), size.limits[0]), size.limits[1]),
+        increment=increment_of(exact(keys.drive_hz), base.clk_khz),
         burst_period=periods[0],
         burst_on=periods[1],
         top=min(keys.top, (1 << keys.amplitude_bits) - 1),

@@ -10,6 +10,8 @@ OVERSAMPLED = 64  # instants of a drive period
 
 def frequency(shown, size):
     """Mean drive frequency of the periods after the silent one."""
+    if len(shown.start) < 3:
+        raise ValueError(f"[world]: hz is too low: {len(shown.start)} drive periods in a recording, not 3")
     clocks = (shown.start[-1] - shown.start[1]) / (len(shown.start) - 2)
     return float(1000 * size.clk_khz / clocks)
 

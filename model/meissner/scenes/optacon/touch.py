@@ -11,6 +11,7 @@ from meissner.physics.capacitive import GRAM_N
 from meissner.scenes.capacitive.judge import calibrations
 from meissner.scenes.optacon import pictures
 from meissner.scenes.optacon.felt import feel, frequency
+from meissner.tables import naming
 from meissner.twins.actuate.render import APART, OCTANTS, RenderSettings, averages
 
 
@@ -18,7 +19,8 @@ def render_settings(scene, newtons_per_code):
     """RenderSettings of the pad's image and of the slip; codes of force."""
     world = scene.world
     codes = [max(1, round(world[key] * GRAM_N / newtons_per_code)) for key in ("floor_g", "step_g")]
-    return RenderSettings(*codes), RenderSettings(marker=1, cue=world["cue_frames"])
+    with naming("[world]: floor_g, step_g in codes of force"):
+        return RenderSettings(*codes), RenderSettings(marker=1, cue=world["cue_frames"])
 
 
 def felt_image(forces):

@@ -179,7 +179,8 @@ def _hardness(scene, core, recordings, seed):
                 counts.append(len(hits))
                 low += own[hits].tolist()
                 periods += np.diff(hits).tolist()
-                sliding = steps[(section.slip or section.start + scene.rate_hz) : section.stop - 1]
+                begins = section.slip or min(section.start + scene.rate_hz, section.stop - 2)
+                sliding = steps[begins : section.stop - 1]
                 oscillation.append(float(sliding[:, 1].std()))
                 straight.append(int(np.ptp(recording.channels[8, section.start : section.stop])))
                 codes = recording.channels[3]

@@ -83,8 +83,10 @@ def answer(summary):
     if "position_error" in summary:
         follows = ", ".join(f"{100 * row['y_follows']:.0f} % ({row['condition']})" for row in rows)
         return f"The centre follows the rope by {follows}. {position_and_load(summary)}"
-    most = max(rows, key=lambda row: row["oscillation"])
-    least = min((row for row in rows if row["slipping_sections"]), key=lambda row: row["oscillation"])
+    rows = sorted((row for row in rows if row["slipping_sections"]), key=lambda row: row["oscillation"])
+    if not rows:
+        return "The rope does not slip."
+    least, most = rows[0], rows[-1]
     return (
         f"While the rope slips, sensor 1 changes between frames by {least['oscillation']:.1f} codes rms "
         f"({least['condition']}) to {most['oscillation']:.1f} ({most['condition']})."

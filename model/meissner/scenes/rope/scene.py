@@ -103,6 +103,10 @@ class Keys(base.Keys):
             raise ValueError("[array]: rows and columns must be 3")
         if len({len(one.values) for one in self.conditions}) > 1:
             raise ValueError("[[conditions]]: values must be as many in each")
+        for key, least in (("pull_s", labels.PATTERNS[self.world.pattern].w + 2), ("free_s", 1)):
+            if (seconds := getattr(self.world, key)) * self.rate_hz < least:
+                at = f"rate_hz = {self.rate_hz}"
+                raise ValueError(f"[world]: {key} = {seconds:g} must last {least} frames or more at {at}")
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,11 @@
-"""Twin of rtl/actuate/msn_display.sv: a tactile display at a core, from a sensor's results or a host's
-frames."""
+"""The display at a core, rtl/actuate/msn_display.sv: its settings, and the words of a host's frame. What it
+shows are the twins of its parts, render.py and pin_display.py."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
-from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize, PinDisplay
+from meissner.twins.actuate.pin_display import DisplaySettings, DisplaySize
 from meissner.twins.actuate.render import Render, RenderSettings
 from meissner.twins.shared import within
 
@@ -61,32 +60,3 @@ class DisplayConfig:
         rows, columns = self.grid
         size = {"PinChains": self.size.chains, "AmplitudeBits": self.size.amplitude_bits}
         return {"PinRows": rows, "PinColumns": columns} | size
-
-
-@dataclass
-class Display:
-    """``feel`` takes a sensor's frame, ``period`` is a drive period, which shows the newest. ``shape``: of
-    the image, None: without one."""
-
-    config: DisplayConfig
-    shape: tuple[int, int] | None = None
-
-    @cached_property
-    def render(self):
-        return self.config.render_of(self.shape)
-
-    @cached_property
-    def pins(self):
-        return PinDisplay(self.config.size, self.config.pins)
-
-    frame = None
-
-    def feel(self, image=None, slip=False, octant=None, cop=None):
-        """The frame [rows, columns] that the next period shows."""
-        self.frame = self.render.next(image, slip, self.config.octant if octant is None else octant, cop)
-        return self.frame
-
-    def period(self):
-        """The next drive period (PinDisplay.next)."""
-        frame, self.frame = self.frame, None
-        return self.pins.next(None if frame is None else frame.ravel())

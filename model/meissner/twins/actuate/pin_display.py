@@ -95,9 +95,9 @@ class DisplaySize:
 
     @property
     def limits(self):
-        """The least and the largest increment: of min_hz and max_hz."""
-        hz = 1000 * self.clk_khz
-        return -(-(self.min_hz << PHASE_BITS) // hz), (self.max_hz << PHASE_BITS) // hz
+        """The least and the largest increment: of min_hz and max_hz, rounded down, so that the increment
+        nearest to min_hz is not below the least."""
+        return tuple((hz << PHASE_BITS) // (1000 * self.clk_khz) for hz in (self.min_hz, self.max_hz))
 
     @property
     def slot_clocks(self):

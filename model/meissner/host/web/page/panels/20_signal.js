@@ -17,8 +17,10 @@ function taxels() {  // the channel's taxel in the images, as [t, value]
   return found;
 }
 
-function strongest() {  // the taxel that is pressed most when the first image with a touch comes
-  const {images} = page, taxels = images.at(-1)?.taxels ?? [], most = taxels.reduce((a, b) => Math.max(a, b), 0);
+function strongest() {  // the taxel that is pressed most when something first presses
+  const {images, cop} = page;
+  if (cop.length && !cop.columns[4][cop.length - 1]) return undefined;
+  const taxels = images.at(-1)?.taxels ?? [], most = taxels.reduce((a, b) => Math.max(a, b), 0);
   if (!most) return undefined;
   page.chosen = true;
   return taxels.indexOf(most);
@@ -58,10 +60,8 @@ panel({
   },
   draw() {
     const known = [...new Set([...page.traces.keys(), ...page.states.of.keys()])].sort((a, b) => a - b).slice(0, 300);
-    if (!known.includes(page.channel)) {
-      if (!page.chosen) page.channel = known[0] ?? strongest() ?? 0;
-      if (!known.includes(page.channel)) known.push(page.channel);
-    }
+    if (!page.chosen) page.channel = (page.traces.size ? undefined : strongest()) ?? known[0] ?? 0;
+    if (!known.includes(page.channel)) known.push(page.channel);
     const key = known.join();
     if (choice.dataset.key !== key) {
       choice.dataset.key = key;
