@@ -227,7 +227,7 @@ module msn_render #(
     assign taken = found == '0 ? '0 : step;  // the first level begins at the floor
     assign again = rest >= taken && found < Top;
     assign known = dividing && !again;
-    assign busy_o = ask || walking || last != '0 || dividing;  // no flag of its own: an upset of that would stay
+    assign busy_o = ask || walking || last != '0 || dividing;  // no flag, in which an upset would stay
     assign level = found;
     always_ff @(posedge clk_i) begin
       last     <= {last[2:0], walking && end_pin};
