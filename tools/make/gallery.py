@@ -1,4 +1,4 @@
-"""Run every scene on the float engine and keep its picture for `make docs`: build/gallery/NAME.png.
+"""Run every scene on the fixed engine and keep its picture for `make docs`: build/gallery/NAME.png.
 
     python tools/make/gallery.py [SCENE ...]
 
@@ -20,7 +20,7 @@ def main(names):
     OUT.mkdir(parents=True, exist_ok=True)
     for name in names or scenes.names():
         with tempfile.TemporaryDirectory() as folder:
-            run.run(scenes.load(name), "float", Path(folder))
+            run.run(scenes.load(name), "fixed", Path(folder))
             pictures = sorted(Path(folder).glob("*.png"), key=lambda path: (path.stem == name, path.name))
             if not pictures:
                 raise SystemExit(f"{name} drew no picture")
