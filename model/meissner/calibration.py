@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from meissner import files, readers
 from meissner.inputs import CODE_LIMIT, MAX_FORCE, MAX_SIDE, SAMPLE_BITS, check_codes
-from meissner.terminal import plain
+from meissner.terminal import plain, sides
 from meissner.twins.frontend.calibrate import forces
 
 GAIN_LIMIT = 1 << 16
@@ -140,7 +140,7 @@ def load(path: str | PathLike[str]) -> Calibration:
         dimensions = 3 if name in _KNOTS else 2
         wanted = name in (*names, *_KNOTS)
         if wanted and (len(shape) > dimensions or max(shape, default=0) > MAX_SIDE):
-            size = "×".join(map(str, shape))
+            size = sides(shape)
             raise files.Unwanted(
                 f"{path} is not a calibration: {name} is {size}, beyond {MAX_SIDE}×{MAX_SIDE}"
             )
@@ -540,9 +540,9 @@ def command(arguments, converter=None, shape=None):
         arguments.recording, arguments.force, arguments.volts_per_code, converter, **given
     )
     if shape is not None and codes.shape[1:] != shape:
-        sizes = ["×".join(map(str, size)) for size in (codes.shape[1:], shape)]
         raise ValueError(
-            f"{arguments.recording} has {sizes[0]} cells and {arguments.config} {sizes[1]} taxels"
+            f"{arguments.recording} has {sides(codes.shape[1:])} cells and {arguments.config} {sides(shape)} "
+            "taxels"
         )
     if converter is None or arguments.adc_bits is not None:
         low, high = ends(codes, arguments.adc_bits)

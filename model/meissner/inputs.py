@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from meissner.terminal import sides
 from meissner.twins.slip.config import MAX_CHANNELS, SAMPLE_BITS
 
 MAX_SIDE = 1024  # rows, columns
@@ -82,8 +83,9 @@ def check_codes(
     if codes.ndim != 3 or 0 in codes.shape:
         raise ValueError(f"the codes must have the shape [frames, rows, columns], not {codes.shape}")
     if shape is not None and codes.shape[1:] != shape:
-        sizes = ["×".join(map(str, size)) for size in (codes.shape[1:], shape)]
-        raise ValueError(f"the codes have {sizes[0]} cells but the calibration has {sizes[1]}")
+        raise ValueError(
+            f"the codes have {sides(codes.shape[1:])} cells but the calibration has {sides(shape)}"
+        )
     if codes.dtype.kind == "f" and not (np.isfinite(codes).all() and (codes == np.rint(codes)).all()):
         raise ValueError("the codes hold NaN, infinity or numbers that are not integers")
     if codes.min() < -CODE_LIMIT or codes.max() >= CODE_LIMIT:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from meissner import calibration, engines, files, pool, readers
-from meissner.terminal import plain
+from meissner.terminal import plain, sides
 
 PIECE = 1 << 19  # samples of frames or electrodes that a thread takes at a time
 RATE_ERROR = 0.01  # between a recording and its configuration
@@ -49,8 +49,10 @@ def array_of(arguments):
     if build.array is None:
         raise ValueError(f"{arguments.config}: kind = '{build.kind}' is no array")
     if arguments.shape not in (None, build.shape):
-        sizes = ["×".join(map(str, shape)) for shape in (arguments.shape, build.shape)]
-        raise ValueError(f"--shape is {sizes[0]} and {arguments.config} has {sizes[1]} taxels: omit --shape")
+        raise ValueError(
+            f"--shape is {sides(arguments.shape)} and {arguments.config} has {sides(build.shape)} taxels: "
+            "omit --shape"
+        )
     return (None if arguments.volts_per_code is not None else build.input), build.shape
 
 

@@ -12,6 +12,11 @@ def plain(text):
     return "".join(escaped)
 
 
+def sides(shape):
+    """A shape in words, as 3×4."""
+    return "×".join(map(str, shape))
+
+
 def columns(rows, numbers=False):
     """Rows of cells as lines of aligned columns; ``numbers``: all but the first column to the right."""
     rows = [["–" if cell is None else str(cell) for cell in row] for row in rows]

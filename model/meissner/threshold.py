@@ -142,15 +142,13 @@ def fit(largest, window_s):
         raise ValueError(
             "the recording never moves: p2p is 0 codes in every window; is the sensor connected?"
         )
-    size = max(LEAST_WINDOWS, len(largest) // MOST_BLOCKS)
+    size, blocks = max(LEAST_WINDOWS, len(largest) // MOST_BLOCKS), largest[:0]
     while (count := len(largest) // size) >= LEAST_BLOCKS:
         blocks = largest[: count * size].reshape(count, size).max(axis=1)
         ranks = rankdata(blocks)
         if not np.ptp(blocks) or np.corrcoef(ranks[:-1], ranks[1:])[0, 1] * count**0.5 < CORRELATED:
             break
         size *= 2
-    if len(largest) < LEAST_BLOCKS * LEAST_WINDOWS:
-        blocks = largest[:0]
     halves = blocks[: len(blocks) // 2], blocks[len(blocks) // 2 :]
     if len(blocks) and np.ptp(blocks) and mannwhitneyu(*halves).pvalue < UNLIKELY:
         medians = [np.median(half) for half in halves]

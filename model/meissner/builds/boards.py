@@ -10,6 +10,7 @@ from typing import Any
 from meissner.builds import board_files, config, pins
 from meissner.builds.build import Config, verilog
 from meissner.builds.toolchain import ROOT
+from meissner.twins.shared import index_width
 
 # Patterns of the cells that count as each resource: nextpnr's names, for flip-flops Yosys's.
 ECP5_AREA = {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "bram": "DP16KD", "dsp": "MULT18X18D"}
@@ -123,7 +124,7 @@ def sizes(parameters: dict[str, int], slip_pins: int = 0) -> dict[str, int]:
         "ROW_PINS": pins.row_pins(parameters),
         "CONVERTERS": converters,
         "DATA_LINES": converters * parameters.get("AdcLanes", 1),
-        "GROUP_BITS": max((pins.groups(parameters) - 1).bit_length(), 1),
+        "GROUP_BITS": index_width(pins.groups(parameters)),
     }
     found |= {"SDRAM": 1} if parameters.get("ForestSdram") else {}
     found |= {"PIN_CHAINS": parameters["PinChains"]} if parameters.get("Display") else {}

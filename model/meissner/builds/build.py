@@ -142,7 +142,7 @@ class Config:
                 clocks = max(clocks, floor(1000 * self.clk_khz * COP_BYTES / room) + 1)
         return 1000 * self.clk_khz / clocks
 
-    @property
+    @cached_property
     def slowest(self) -> tuple[int, str, str]:
         """(clocks from frame to frame that it needs, name, what takes them) of the slowest feature."""
         built = {name: FEATURES[name] for name in self.features}

@@ -9,6 +9,7 @@ from meissner.arrays import Arrays, Ints
 from meissner.engines import verilated
 from meissner.engines.protocol import Waves
 from meissner.twins.cop.cop import sum_bits
+from meissner.twins.shared import index_width
 
 WIDE = 16  # from this many columns on, eight lanes simulate faster than one
 TRACE_CLK_KHZ = 100_000
@@ -64,8 +65,7 @@ def cop(forces: NDArray[np.uint16], min_load: int = 1, waves: Waves = None) -> A
     if count < 0:
         raise RuntimeError("the core did not give one result per frame")
     bits = sum_bits(rows, columns)
-    # msn_pkg::index_width of the columns and of the rows
-    mx_bits, my_bits = (bits + max((n - 1).bit_length(), 1) for n in (columns, rows))
+    mx_bits, my_bits = (bits + index_width(n) for n in (columns, rows))
     return {
         "sum": wide[0].view(np.int64),
         "mx": _signed(wide[1], mx_bits),

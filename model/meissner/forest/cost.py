@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meissner.forest import file, words
+from meissner.twins.shared import index_width
 
 LANES = 4  # of classes that an engine adds in a clock
 SHARE = 0.95  # of the clocks in which an engine of block RAM compares a node
@@ -62,11 +63,6 @@ def size_of(model: file.Model, engines: int) -> Size:
     )
 
 
-def index_bits(count: int) -> int:
-    """Bits of an index 0 .. count - 1, at least one."""
-    return max((count - 1).bit_length(), 1)
-
-
 def inferred(count: int, bits: int, cells: str) -> int:
     """Block RAMs that Yosys takes for a memory of ``count`` words of ``bits`` with one port to write and one
     to read with a register: the cheapest of block RAM in one of its shapes, LUT RAM and flip-flops.
@@ -103,8 +99,8 @@ def block_rams(size: Size, cells: str, engines=1, banks=1, lanes=LANES, sdram=Fa
     """Block RAMs of msn_classify with a forest of that size (rtl/forest): every memory that is read through
     a register."""
     context, tag = (2, 5) if sdram else (1, 4)  # bits: decisions under way, walkers
-    address = SDRAM_ADDRESS if sdram else index_bits(size.nodes)
-    index = index_bits(size.features)
+    address = SDRAM_ADDRESS if sdram else index_width(size.nodes)
+    index = index_width(size.features)
     memory, fifo = (lambda *of: rams(*of, cells)), (lambda depth, bits: inferred(depth, bits, cells))
     each = 0 if sdram else memory(banks * size.nodes, 2 + index + size.bits + 32)
     each += memory(banks * size.trees, address) + memory(1 << index + context, size.bits)

@@ -12,6 +12,7 @@ import numpy as np
 
 from meissner.calibration import GAIN_SHIFT, Calibration
 from meissner.host.core import Core
+from meissner.terminal import sides
 
 SWAP_S = 5.0  # the longest wait for a frame's end, or for the end of an averaging
 WHAT = "the calibration"
@@ -55,8 +56,7 @@ def check(core: Core, lines: Calibration) -> None:
         )
     own, size = lines.offset.shape, (core.units.rows, core.units.columns)
     if own != size:
-        sizes = ["×".join(map(str, shape)) for shape in (own, size)]
-        raise ValueError(f"the calibration has {sizes[0]} cells but the core has {sizes[1]}")
+        raise ValueError(f"the calibration has {sides(own)} cells but the core has {sides(size)}")
     if lines.gain_shift != GAIN_SHIFT:
         raise ValueError(f"the calibration has gain_shift = {lines.gain_shift} but the core has {GAIN_SHIFT}")
 

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from meissner.files import check_in
 from meissner.physics.adc import Adc
 from meissner.readers.table import TIMES, VOLTS, Column, Table, unit_of
+from meissner.terminal import sides
 
 _TEXT, _CHOOSING = "text:table", ("messages:mcap", "extras:bag", "arrays:npz")
 KINDS = dict.fromkeys((".csv", ".tsv", ".txt", ".dat", ".log"), _TEXT) | {
@@ -232,7 +233,7 @@ def read(
     if (scale != 1).any():
         values = values / (scale[:, None] if values.ndim == 2 else scale[0])
     names = tuple(one.name for one in channels)
-    size = f"{values.shape[1]} rows" if values.ndim == 2 else "×".join(map(str, values.shape)) or "one number"
+    size = f"{values.shape[1]} rows" if values.ndim == 2 else sides(values.shape) or "one number"
     told = [f"{path}: {found.how}", f"{size} of {_listed(names)}"]
     if written := sorted({one for one in units if one}):
         told[1] += f" in {_listed(written)}{' as given' if given else ''}"
@@ -410,6 +411,6 @@ def _framed(path: str, values: NDArray[Any], shape: tuple[int, int]) -> NDArray[
     if values.ndim == 3 and values.shape[1:] == shape:
         return values
     if values.ndim != 2 or len(values) != rows * columns:
-        have = len(values) if values.ndim == 2 else "×".join(map(str, values.shape[1:]))
+        have = len(values) if values.ndim == 2 else sides(values.shape[1:])
         raise ValueError(f"{path} has {have} channels, not the {rows * columns} of {rows}×{columns} taxels")
     return np.ascontiguousarray(values.T).reshape(-1, rows, columns)

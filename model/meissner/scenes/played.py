@@ -18,10 +18,8 @@ from meissner.twins.slip.config import SlipConfig
 if TYPE_CHECKING:
     from meissner.physics.cop4_config import Cop4Config
 
-SHORT_S, LEAST_HZ = (
-    1.0,
-    4.0,
-)  # what is shorter is played more slowly, in twice the time, if that is not slower
+SHORT_S = 1.0  # what is shorter is played more slowly, in twice the time,
+LEAST_HZ = 4.0  # if that is not slower
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,6 +4,11 @@ LANES = range(1, 9)  # columns of a beat
 LOAD_BITS = 16  # of four electrodes
 
 
+def index_width(count):
+    """msn_pkg::index_width: bits of an index 0 .. ``count`` - 1, at least one."""
+    return max((count - 1).bit_length(), 1)
+
+
 def within(**values):
     """ValueError unless each value lies within its limits: name=(value, lowest, highest), None for no end."""
     for name, (value, low, high) in values.items():

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meissner.twins.shared import one_of, within
+from meissner.twins.shared import index_width, one_of, within
 
 NODE, ROOT, VOTE, COUNT = range(4)  # kinds of a load
 ABSENT, LATE, BROKEN = 1, 2, 4  # errors of a decision
@@ -31,12 +31,11 @@ def of_word(words):
 
 def stored(word, features, feature_bits):
     """``word`` after block RAM, which keeps only the bits of a feature's index and of ``feature_bits``."""
-    index_bits = max((features - 1).bit_length(), 1)
     kind, feature, threshold, low = (int(part) for part in of_word(word))
     threshold &= (1 << feature_bits) - 1
     threshold -= threshold >> feature_bits - 1 << feature_bits
     threshold &= (1 << WORD_BITS) - 1
-    return kind << 62 | (feature & (1 << index_bits) - 1) << 54 | threshold << 32 | low
+    return kind << 62 | (feature & (1 << index_width(features)) - 1) << 54 | threshold << 32 | low
 
 
 def walk(words, root, q, features, leaves):
@@ -114,7 +113,7 @@ class Forest:
             features = 256 if self.outside else self.features
             self.nodes[bank, engine, address] = stored(data, features, self.feature_bits)
         elif kind == ROOT and address < self.roots.shape[2]:
-            self.roots[bank, engine, address] = data % (1 << max((self.nodes.shape[2] - 1).bit_length(), 1))
+            self.roots[bank, engine, address] = data % (1 << index_width(self.nodes.shape[2]))
         elif kind == VOTE and self.table is not None:
             row, label = address & 0xFFFF, address >> 16
             if row < self.table.shape[1] and label < self.classes:
