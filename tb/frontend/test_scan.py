@@ -460,12 +460,7 @@ SIZES = [
 
 
 EVIDENCE = {
-    "equivalence": {
-        "size": {"Rows": 3},
-        "defined": True,
-        "boxes": True,
-        "reset": {"since": {"group_o": "trigger_o"}},
-    },
+    "equivalence": {"size": {"Rows": 3}, "defined": True, "boxes": True},
     "faults": {"inside": ["scan_adc", "u_scan."]},
 }
 

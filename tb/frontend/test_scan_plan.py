@@ -371,11 +371,7 @@ BUILDS = [
 
 
 EVIDENCE = {
-    "equivalence": {
-        "size": {"Rows": 5},
-        "defined": True,
-        "reset": {"since": {"done_*": "trigger_o"}},
-    },
+    "equivalence": {"size": {"Rows": 5}, "defined": True},
     "faults": {"inside": ["scan_adc", "u_plan."]},
 }
 

@@ -99,7 +99,6 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
-    "equivalence": {"reset": {"since": {"time_o": "convert_i"}}},
     # The recording also sets last_i in clocks that are no end of a frame.
     "faults": {"settle": 150, "driver": {"frame": "last_i"}},
 }

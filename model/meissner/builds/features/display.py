@@ -125,6 +125,11 @@ def config(keys: Keys, base: "Config") -> DisplayConfig:
         watchdog=int(exact(keys.left_on_s) * 7 / 10),
         stop=max(1, round(exact(keys.stop_s) * TICKS)),
     )
+    if exact(keys.stop_s) * exact(keys.drive_hz) <= 2:
+        raise ValueError(
+            f"stop_s = {keys.stop_s:g} must be above {2 / keys.drive_hz:.3g}, two drive periods: a frame is "
+            "shown in the period after the one that takes it"
+        )
     least = ceil(TICKS / exact(keys.drive_hz)) + 2  # of a drive period, as msn_pin_limits asks for it
     if settings.duty < least:
         raise ValueError(f"duty = {keys.duty:g} must be at least {least / (10 * TICKS):g}, a drive period")
