@@ -5,8 +5,14 @@ its two best probabilities lie within twice the stated error.
 
 import numpy as np
 import pytest
+from sklearn.base import clone
+from sklearn.calibration import CalibratedClassifierCV
 from sklearn.datasets import load_iris, load_wine, make_classification
 from sklearn.ensemble import ExtraTreesClassifier, RandomForestClassifier
+from sklearn.frozen import FrozenEstimator
+from sklearn.inspection import permutation_importance
+from sklearn.metrics import ConfusionMatrixDisplay, get_scorer
+from sklearn.model_selection import cross_val_score
 from sklearn.tree import DecisionTreeClassifier, ExtraTreeClassifier
 
 import meissner
@@ -17,7 +23,9 @@ IRIS, WINE = load_iris(return_X_y=True), load_wine(return_X_y=True)
 LABELS = {
     "integers": lambda y: 3 * y - 1,
     "names": lambda y: np.array(["öl", "b", "c"])[y],
-    "floats": lambda y: y * 2.0,
+    "floats": lambda y: (y * 2).astype(np.float32),
+    "bytes": lambda y: (y * 100).astype(np.uint8),
+    "objects": lambda y: np.array(["a", "bb", np.str_("c")], object)[y],
     "two": lambda y: y == 1,
     "one": lambda y: np.full(len(y), 7),
 }
@@ -39,6 +47,9 @@ def test_every_row_of_known_data_gets_scikit_learns_class(data, labels):
         forest = meissner.Forest(model.fit(x[::2], y[::2]))
         agree(forest, model, x, f"{data}, {labels}, {type(model).__name__}")
         assert forest.classes_.tolist() == model.classes_.tolist()
+        assert forest.predict(x).dtype == forest.classes_.dtype == model.classes_.dtype
+        assert forest.predict_proba(x).dtype == model.predict_proba(x).dtype
+        file.check(file.document(forest.model))
 
 
 @pytest.mark.long
@@ -189,12 +200,44 @@ def test_missing_values_go_where_scikit_learn_sends_them():
         meissner.Forest(model).predict([[1, np.nan, 2, 3]])
 
 
+SCORES = ("accuracy", "f1_macro", "neg_log_loss", "roc_auc_ovr", "roc_auc", "neg_brier_score")
+
+
+def test_it_stands_where_the_object_of_scikit_learn_stood():
+    for classes in (3, 2):
+        x, y = WINE[0], np.minimum(WINE[1], classes - 1)
+        model = RandomForestClassifier(5, random_state=1).fit(x[::2], y[::2])
+        forest = meissner.Forest(model)
+        for name in SCORES[: 4 if classes == 3 else None]:
+            score = get_scorer(name)
+            assert score(forest, x, y) == pytest.approx(score(model, x, y), abs=1e-4), name
+        weight = np.arange(len(y))
+        assert forest.score(x, y[:, None], weight) == model.score(x, y, weight) < 1
+        drawn = [permutation_importance(each, x, y, n_repeats=1, random_state=0) for each in (forest, model)]
+        assert np.array_equal(*(each.importances for each in drawn))
+        assert clone(forest) is forest and forest.n_classes_ == classes
+        assert not hasattr(forest, "feature_names_in_")
+        shown = [ConfusionMatrixDisplay.from_estimator(each, x, y) for each in (forest, model)]
+        assert np.array_equal(*(each.confusion_matrix for each in shown))
+        frozen = [FrozenEstimator(each) for each in (forest, model)]
+        made = [CalibratedClassifierCV(each).fit(x, y).predict(x) for each in frozen]
+        assert np.array_equal(*made)
+        assert np.array_equal(*(cross_val_score(each, x, y) for each in (forest, frozen[1])))
+
+
 class Columns(np.ndarray):
     """An array with names, as a table of pandas has them."""
 
+    def notna(self):
+        return np.array([[cell is not NA for cell in row] for row in self])
+
+
+class NA:
+    """What pandas has for a missing value of a column of integers; no float."""
+
 
 def table(x, names):
-    found = np.asarray(x, np.float64).view(Columns)
+    found = np.asarray(x, object).view(Columns)
     found.columns = names
     return found
 
@@ -216,11 +259,16 @@ def test_what_no_forest_takes_is_refused():
     theirs = named.predict(x)
     named.feature_names_in_ = np.array(["a", "b", "c", "d"], object)
     forest = meissner.Forest(named)
+    assert forest.feature_names_in_.tolist() == ["a", "b", "c", "d"]
     with pytest.raises(ValueError, match="the feature c is missing"):
         forest.predict(table(x, ["a", "b", "x", "d"]))
     with pytest.raises(ValueError, match="in this order"):
         forest.predict(table(x, ["b", "a", "c", "d"]))
     assert np.array_equal(forest.predict(table(x, ["a", "b", "c", "d"])), theirs)
+    holes, lost = x.astype(object), x.copy()
+    holes[::3, 2], lost[::3, 2] = NA, np.nan
+    for names in (["a", "b", "c", "d"], [0, 1, 2, 3]):  # numbers are no names, as for scikit-learn
+        assert np.array_equal(forest.predict(table(holes, names)), meissner.Forest(named).predict(lost))
     named.feature_names_in_ = np.array(["x0", "y", "x2", "x3"], object)  # names as of none, but one
     with pytest.raises(ValueError, match="in this order"):
         meissner.Forest(named).predict(table(x, ["x0", "x2", "y", "x3"]))

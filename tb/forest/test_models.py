@@ -20,6 +20,7 @@ from sklearn.datasets import load_wine
 from sklearn.ensemble import (
     AdaBoostClassifier,
     ExtraTreesClassifier,
+    ExtraTreesRegressor,
     GradientBoostingClassifier,
     HistGradientBoostingClassifier,
     RandomForestClassifier,
@@ -27,6 +28,7 @@ from sklearn.ensemble import (
     VotingClassifier,
 )
 from sklearn.linear_model import LogisticRegression
+from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.tree import DecisionTreeClassifier
@@ -35,6 +37,7 @@ import meissner
 from forest.compare import ERROR, agree, sides
 from meissner import cli
 from meissner.builds.toolchain import ROOT
+from meissner.forest import models, process
 
 X, Y = load_wine(return_X_y=True)
 KINDS = [
@@ -237,6 +240,55 @@ def test_onnx_files_with_labels_in_a_map_or_from_integers(tmp_path):
         assert np.array_equal(meissner.Forest.from_file(tmp_path / "m.onnx").predict(x), model.predict(x))
 
 
+TYPES = skl2onnx.common.data_types
+
+
+@pytest.mark.parametrize(
+    "kind, given, options",
+    [
+        (np.float64, (TYPES.DoubleTensorType([None, 13]), False), {}),
+        (np.int64, (TYPES.Int64TensorType([None, 13]), False), {}),
+        (np.float32, (TYPES.FloatTensorType([1, 13]), True), {}),  # a row at a time
+        (np.float32, (TYPES.FloatTensorType([None, 13]), False), {"output_class_labels": True}),
+    ],
+    ids=["double", "integers", "one row", "three outputs"],
+)
+def test_onnx_files_of_every_input_decide_on_the_engine_float(tmp_path, kind, given, options):
+    x = np.rint(X)
+    model = RandomForestClassifier(7, random_state=1).fit(x, Y)
+    made = skl2onnx.to_onnx(
+        model, initial_types=[("X", given[0])], options={id(model): {"zipmap": given[1]} | options}
+    )
+    (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+    opened = models.load(tmp_path / "m.onnx")
+    found = process.decide("float", opened.model, x, own=opened.own)
+    session = onnxruntime.InferenceSession(tmp_path / "m.onnx")
+    rows = x[:, None] if given[1] else [x]
+    labels = np.concatenate([session.run(None, {"X": row.astype(kind)})[0] for row in rows])
+    assert found.index.tolist() == labels.tolist() == model.predict(x).tolist()
+    if kind is np.int64:
+        x[3, 2] += 0.5
+        with pytest.raises(ValueError, match=r"row 3: x2 = .*5 is not of the kind int64"):
+            process.decide("float", opened.model, x, own=opened.own)
+
+
+def test_what_onnxruntime_cannot_run_is_refused_with_a_sentence(tmp_path):
+    made = onnx_of(tmp_path / "m.onnx", KINDS[2].fit(X, Y))
+    opset, known = made.opset_import[0], made.opset_import[0].version
+    opset.version = 9999
+    for change, says in (
+        (lambda: None, "onnxruntime cannot decide"),
+        (lambda: made.graph.output.pop(), "needs its labels"),
+    ):
+        change()
+        (tmp_path / "m.onnx").write_bytes(made.SerializeToString())
+        opened = models.load(tmp_path / "m.onnx")
+        with pytest.raises(ValueError, match=says) as refused:
+            process.decide("float", opened.model, X, own=opened.own)
+        assert "\n" not in str(refused.value)
+        opset.version = known
+
+
 def test_nan_in_an_onnx_file_goes_where_onnxruntime_sends_it(tmp_path):
     holes = X.copy()
     holes[::2, ::3] = np.nan
@@ -306,7 +358,7 @@ def test_an_onnx_file_may_leave_its_number_of_features_open_but_not_state_any(tm
 
 def test_onnx_labels_that_are_none_are_refused(tmp_path):
     for strings, ints, says in (
-        ([], [1, 5, 1], "a label twice"),
+        ([], [1, 5, 1], "1 stands there twice"),
         ([b"a", b"b", b"c"], [1, 5, 7], "two kinds"),
     ):
         made = onnx_of(tmp_path / "m.onnx", KINDS[2].fit(X, Y))
@@ -331,7 +383,9 @@ def test_other_models_are_refused(tmp_path):
         (LogisticRegression(), "a LogisticRegression is no forest"),
         (VotingClassifier([("a", RandomForestClassifier(2))]), "a VotingClassifier is no forest"),
         (CalibratedClassifierCV(RandomForestClassifier(2)), "a CalibratedClassifierCV is no forest"),
-        (make_pipeline(StandardScaler(), DecisionTreeClassifier()), "a Pipeline is no forest"),
+        (ExtraTreesRegressor(2), "an ExtraTreesRegressor is no forest"),
+        (make_pipeline(StandardScaler(), DecisionTreeClassifier()), "a Pipeline is no.* forest inside it"),
+        (GridSearchCV(DecisionTreeClassifier(), {"max_depth": [1]}), "a GridSearchCV is no.* forest inside"),
     ):
         joblib.dump(model.fit(X[:, :2], two), tmp_path / "m.joblib")
         for make in (meissner.Forest, lambda _: meissner.Forest.from_file(tmp_path / "m.joblib", trust=True)):
@@ -359,6 +413,8 @@ def test_other_models_are_refused(tmp_path):
         (RandomForestClassifier(), "the RandomForestClassifier is not fitted"),
         (DecisionTreeClassifier().fit(X, np.c_[Y, Y]), "has 2 outputs"),
         ([1, 2], "a list is no forest"),
+        (DecisionTreeClassifier().fit(X, np.array(Y, "M8[ns]")), "classes are times .datetime64"),
+        (DecisionTreeClassifier().fit(X, np.array([b"a", b"b", b"c"])[Y]), "labels of one kind"),
     ):
         with pytest.raises(ValueError, match=says):
             meissner.Forest(model)
@@ -374,7 +430,7 @@ def read_or_refused(path):
 
 
 ANY = st.none() | st.booleans() | st.integers() | st.text(max_size=4) | st.lists(st.integers(), max_size=2)
-FUZZ = settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZ = settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @FUZZ

@@ -180,7 +180,8 @@ def _integers(values, place, unit):
     return np.array(values, np.int64)
 
 
-def _check_classes(classes):
+def check_classes(classes):
+    """``classes``, if they are labels that a file holds."""
     kinds = {type(label) for label in _check_list(classes, "classes", MAX_CLASSES)}
     if len(kinds) > 1 or not kinds <= {bool, int, float, str}:
         raise ValueError("classes must be labels of one kind: integers, floats, strings or true and false")
@@ -286,7 +287,7 @@ def check(whole, sums=False):
     _check_keys(whole, "the file", (*_PARTS, "crc32") if sums else _PARTS)
     if type(whole["source"]) is not str:
         raise ValueError("source must be a string")
-    classes = _check_classes(whole["classes"])
+    classes = check_classes(whole["classes"])
     listed = enumerate(_check_list(whole["features"], "features", MAX_FEATURES))
     features = [_feature(value, f"feature {index}") for index, value in listed]
     leaves = _leaves(whole["leaves"], len(classes))

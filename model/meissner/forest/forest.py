@@ -67,8 +67,10 @@ class Forest:
     Attributes
     ----------
     classes_ : [classes]
-        The labels, as in scikit-learn.
-    n_features_in_ : int
+        The labels, as in scikit-learn; also of its type, if ``model`` is its object.
+    n_features_in_, n_classes_ : int
+    feature_names_in_ : [features]
+        If the model was trained with names.
     joined : Joined
         The nodes of all trees, for those that follow them.
     run : meissner.engines.rtl_forest.Run
@@ -80,17 +82,23 @@ class Forest:
         For a model of another kind, one that is damaged, and another engine.
     """
 
+    _estimator_type = "classifier"  # for scikit-learn before 1.6
+
     def __init__(self, model: Any, integer: Any = (), engine: str = "fixed", engines: int = 1) -> None:
         one_of(("fixed", "rtl", "gate"), engine=engine)
         within(engines=(engines, 1, 64))
         self.engine, self.engines = engine, engines
+        kind = getattr(getattr(model, "classes_", None), "dtype", None)
         if not isinstance(model, Model):
             from meissner.forest.sklearn import of_model
 
             model = of_model(model, integer)
         self.model = model
-        self.classes_ = np.array(model.classes)
-        self.n_features_in_ = len(model.features)
+        self.classes_ = np.array(model.classes, kind)
+        self.n_features_in_, self.n_classes_ = len(model.features), len(model.classes)
+        names = [feature.name for feature in model.features]
+        if not file.unnamed(names):
+            self.feature_names_in_ = np.array(names, object)
         sizes = [len(tree.feature) for tree in model.trees]
         base = np.cumsum([0, *sizes[:-1]])
         joined = lambda name: np.concatenate([getattr(tree, name) for tree in model.trees])
@@ -133,15 +141,18 @@ class Forest:
             fraction or beyond 2**24 in a feature of integers.
         """
         names = [feature.name for feature in self.model.features]
-        columns = [*map(str, getattr(x, "columns", ()))]
+        columns = [*getattr(x, "columns", ())]
+        columns = [*map(str, columns)] if any(isinstance(each, str) for each in columns) else []
         if columns and (not file.unnamed(names) or set(names) & set(columns)):
             for name in names:
                 if name not in columns:
                     raise ValueError(f"the feature {name} is missing")
             if columns != names:
                 raise ValueError(f"the features must be {', '.join(names)} in this order")
+        known = x.notna() if hasattr(x, "notna") else True
         x = np.asarray(x.toarray() if hasattr(x, "toarray") else x)
-        if x.dtype == object:  # columns of several kinds
+        if x.dtype == object:  # columns of several kinds, of pandas' own perhaps
+            x = np.where(known, x, np.nan)
             with suppress(TypeError, ValueError, OverflowError):
                 x = x.astype(np.float64)
         if x.dtype.kind not in "iufb":
@@ -240,3 +251,27 @@ class Forest:
     def predict(self, x: ArrayLike) -> NDArray[Any]:
         """The label of each row, as in scikit-learn."""
         return self.classes_[self.next(x).index]
+
+    def score(self, x: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> float:
+        """The share of the rows whose label is ``y``."""
+        return float(np.average(self.predict(x) == np.asarray(y).ravel(), weights=sample_weight))
+
+    def fit(self, x: Any = None, y: Any = None, **_: Any) -> "Forest":
+        """Changes nothing: the forest is trained. What scikit-learn evaluates has to have it."""
+        return self
+
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """What it was made of, for scikit-learn."""
+        return {"model": self.model, "engine": self.engine, "engines": self.engines}
+
+    def __sklearn_clone__(self) -> "Forest":
+        return self
+
+    def __sklearn_is_fitted__(self) -> bool:
+        return True
+
+    def __sklearn_tags__(self) -> Any:
+        from sklearn.utils import ClassifierTags, InputTags, Tags, TargetTags
+
+        nan = InputTags(sparse=True, allow_nan=self.joined.missing_left is not None)
+        return Tags("classifier", TargetTags(required=False), None, ClassifierTags(), input_tags=nan)

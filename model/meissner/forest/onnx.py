@@ -34,14 +34,36 @@ def read(path, trust=False):
 def own(given, model):
     """(name, function) of onnxruntime itself: rows to (index of the class, probabilities)."""
     try:
+        import onnx
         import onnxruntime
     except ImportError:
         raise ValueError(f"the engine float of an ONNX model needs onnxruntime: {EXTRA}") from None
-    session = onnxruntime.InferenceSession(given.SerializeToString(), providers=["CPUExecutionProvider"])
-    name, place = session.get_inputs()[0].name, {label: at for at, label in enumerate(model.classes)}
+    for each in (*given.graph.input, *given.graph.output):
+        for size in each.type.tensor_type.shape.dim[:1]:
+            size.dim_param = "rows"  # whatever number of them the file is for
+    place = {label: at for at, label in enumerate(model.classes)}
+    kind = onnx.helper.tensor_dtype_to_np_dtype(given.graph.input[0].type.tensor_type.elem_type)
+
+    def safe(function, *values, **more):
+        try:
+            return function(*values, **more)
+        except Exception as problem:  # onnxruntime has kinds of its own
+            raise ValueError(f"onnxruntime cannot decide: {str(problem).partition(chr(10))[0]}") from None
+
+    session = safe(
+        onnxruntime.InferenceSession, given.SerializeToString(), providers=["CPUExecutionProvider"]
+    )
+    if len(session.get_outputs()) < 2:
+        raise ValueError("the engine float of an ONNX model needs its labels and its probabilities")
 
     def decide(x):
-        labels, share = session.run(None, {name: np.asarray(x, np.float32)})
+        rows = np.asarray(x).astype(kind)
+        if kind.kind != "f" and (wrong := rows != x).any():
+            row, feature = np.argwhere(wrong)[0]
+            raise ValueError(
+                f"row {row}: x{feature} = {x[row, feature]} is not of the kind {kind} of the model"
+            )
+        labels, share = safe(session.run, None, {session.get_inputs()[0].name: rows})[:2]
         if isinstance(share, list):  # ZipMap's: a dictionary for each row
             share = np.array([[row[label] for label in model.classes] for row in share])
         return np.array([place[label] for label in labels.tolist()]), share.astype(np.float64)
@@ -89,8 +111,6 @@ def of_model(model, integer=()):
         each.decode() for each in found.get("classlabels_strings", [])
     ]
     labels = [*map(int, labels)] if "classlabels_int64s" in found else labels
-    if len({*labels}) < len(labels):
-        raise ValueError("it has a label twice")
     trees = _trees(found, modes, len(labels))
     given = next((each for each in model.graph.input if each.name == name), None)
     if given is None:

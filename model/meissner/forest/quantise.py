@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from meissner.forest.file import MAX_FEATURES, ONE, Feature, Model, Tree
+from meissner.forest.file import MAX_FEATURES, ONE, Feature, Model, Tree, check_classes
 from meissner.forest.words import fits
 
 # Of what a leaf's probabilities add up to, by which it may miss one: float32 weights of an ONNX model.
@@ -53,7 +53,7 @@ def check(tree, features, classes, place):
     refuse(wrong, lambda i: f"its feature {tree.feature[i]} is none of {features}")
     refuse(inner & ~(tree.threshold > -np.inf), lambda i: f"its threshold is {tree.threshold[i]}")
     wrong = ~(tree.value >= 0).all(1) | ~(tree.value.sum(1) > 0) | ~np.isfinite(tree.value).all(1)
-    refuse(leaf & wrong, lambda i: f"its probabilities are {tree.value[i]}")
+    refuse(leaf & wrong, lambda i: f"its probabilities are {', '.join(map(str, tree.value[i][:9].tolist()))}")
 
 
 def votes(probability):
@@ -96,7 +96,8 @@ def _ranked(threshold, integer):
 
 def quantise(trees, classes, names, integer, source):
     """The Model of checked Raw ``trees``; ``integer``: names of features whose values pass as they are."""
-    integer = (integer,) if isinstance(integer, str) else integer or ()
+    integer = (integer,) if isinstance(integer, str) else [*(integer or ())]
+    check_classes(classes)
     unknown = [name for name in integer if name not in names]
     if unknown:
         raise ValueError(f"the forest has no feature {unknown[0]!r}; it has {', '.join(names[:20])}")

@@ -27,8 +27,11 @@ def read(path, trust=False):
 
 def no_forest(kind):
     """The sentence for a model of another ``kind``."""
-    other = "; boosted trees add margins, which is another vote" if "Boost" in kind else ""
-    return ValueError(f"a {kind} is no forest that votes with probabilities: {TAKEN}{other}")
+    inside = {"Boost": "boosted trees add margins, which is another vote"}
+    inside |= dict.fromkeys(("SearchCV", "Pipeline", "Frozen"), "export the forest inside it alone")
+    other = "".join(f"; {says}" for part, says in inside.items() if part in kind)
+    article = "an" if kind[0] in "AEIU" else "a"
+    return ValueError(f"{article} {kind} is no forest that votes with probabilities: {TAKEN}{other}")
 
 
 def own(given, model):
@@ -63,7 +66,11 @@ def of_model(model, integer=()):
 
     if model.n_outputs_ != 1:
         raise ValueError(f"the {kind.__name__} has {model.n_outputs_} {OUTPUTS}")
-    features, classes = model.n_features_in_, np.asarray(model.classes_).tolist()
+    labels = np.asarray(model.classes_)
+    if labels.dtype.kind in "mM":
+        raise ValueError(f"its classes are times ({labels.dtype}): train it with their texts")
+    classes = [each.item() if isinstance(each, np.generic) else each for each in labels.tolist()]
+    features = model.n_features_in_
     trees = []
     for index, each in enumerate(model.estimators_ if forest else [model]):
         if type(each).__name__ not in KINDS[2:] or not hasattr(each, "tree_"):
