@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sklearn.datasets import load_wine
+from sklearn.datasets import load_digits, load_wine
 from sklearn.ensemble import RandomForestClassifier
 
 import meissner
 from forest import recorded
-from forest.test_words import model
+from forest.test_words import LISTS, model
 from meissner.budget import forest as budget
 from meissner.builds import boards, config
 from meissner.cli import main
@@ -106,19 +106,29 @@ def test_labels_of_data_are_those_of_the_forest(classes, labels, right):
 
 
 def test_clocks_by_hand():
-    """Rows of 3 + 2 + 1 and 2 + 1 + 1 nodes. Block RAM: a node in 1/0.95 clocks, 2 features, 2 * 5 for the
-    votes. Two engines: 3 and 2 + 1. SDRAM: 28 for each node of the longest walk, which is more than 4.2 a
-    node."""
+    """Rows of 3 + 2 + 1 and 2 + 1 + 1 nodes in three trees, 2 features and 2 classes, 13 besides. Few nodes:
+    11 for each of the longest walk, in an SDRAM 28. Many: one each and 5.5 for those of the longest walk, of
+    two engines 100 + 100 of the second; in an SDRAM 4.2 and 14. Many classes: after the first leaf, at 11 or
+    28, a clock for four classes of each tree of an engine."""
     small = model(LEAVES, [0, 1])
-    steps = np.array([[3, 2, 1], [2, 1, 1]])
+    steps, many = np.array([[3, 2, 1], [2, 1, 1]]), np.array([[100, 100, 100]])
     assert cost.clocks(small, (steps, steps), 1) == {
-        "block RAM": (round(5 / 0.95 + 12), round(6 / 0.95 + 12)),
-        "SDRAM": ((56 + 84) // 2 + 12, 84 + 12),
+        "block RAM": ((33 + 22) // 2 + 1 + 18, 33 + 18),
+        "SDRAM": ((56 + 84) // 2 + 18, 84 + 18),
     }
-    assert cost.clocks(small, (steps, steps), 2)["block RAM"][1] == round(3 / 0.95 + 2 + 2 * 6)
-    wide = np.full((1, 3), 10)
-    wide[0, 0] = 1
-    assert cost.clocks(small, (wide[:, [0] * 9], wide), 1)["SDRAM"] == (round(4.2 * 9) + 12, 280 + 12)
+    assert cost.clocks(small, (steps[1:], many), 2) == {
+        "block RAM": (23 + 19, 1100 + 2 + 19),
+        "SDRAM": (56 + 18, 2800 + 3 + 18),
+    }
+    thin = np.array([[100] * 400])
+    trees = model(LEAVES, [0, 1], [LISTS] * 400)
+    assert cost.of_rows(trees, thin, 1)["block RAM"].tolist() == [40000 + 550 + 18]
+    assert cost.of_rows(trees, thin, 8)["block RAM"].tolist() == [5000 + 550 + 25]
+    assert cost.of_rows(trees, thin, 8)["SDRAM"].tolist() == [168000 + 1400 + 18]
+    hundred = model(np.diag([65535] * 99 + [65535]).tolist(), [*range(100)], [LISTS] * 400)
+    short = np.full((1, 400), 2)
+    assert cost.of_rows(hundred, short, 1)["block RAM"].tolist() == [22 + 400 * 25 + 2 + 100 + 14]
+    assert cost.of_rows(hundred, short, 1, lanes=8)["SDRAM"].tolist() == [56 + 400 * 13 + 2 + 100 + 14]
     assert [cost.depths(tree) for tree in small.trees] == [3, 2, 0]
     mean, worst = budget.walks(meissner.Forest(small))
     assert mean.tolist() == [[2.25, 1.5, 1.0]] and worst.tolist() == [[3, 2, 1]]
@@ -204,6 +214,64 @@ def test_the_best_that_fits_is_written(wine, capsys, tmp_path):
     assert (made.engines, made.banks, made.frames, made.size.trees) == (2, 1, False, 200)
     assert made.model.nodes == forest.model.nodes
     assert boards.BOARDS["ulx3s"].plan(str(tmp_path / "own/mine.toml"), "85F").roles["tx"].port == "tx_o"
+
+
+def test_leaves_of_many_classes_need_block_ram_beside_an_sdram_too(tmp_path, monkeypatch):
+    """900 leaves of 300 classes, 75 words of four classes each, are more than an 85F has; 60 of them fit."""
+    rows = lambda forest, banks=1: {
+        each["memory"]: each
+        for each in budget.budget(forest.model, budget.walks(forest), 1, banks)["memories"]
+    }
+    for leaves, fits in ((900, False), (60, True)):
+        votes = [[65535 - leaf, leaf, *[0] * 298] for leaf in range(leaves)]
+        chain = [
+            {"feature": [0], "threshold": [0], "left": [-1 - leaf], "right": [-1]} for leaf in range(leaves)
+        ]
+        forest = meissner.Forest(model(votes, [*range(300)], chain))
+        row = rows(forest)["ulx3s SDRAM"]
+        assert row["fits"] == fits and (row["block_rams"] > 207) == (not fits)
+        forest.to_file(tmp_path / "F.json")
+        given = {"source": "host", "banks": 1, "memory": "sdram", "file": str(tmp_path / "F.json")}
+        tables = {"about": "a", "clock": {"mhz": 100.0}, "sensor": {"kind": "none"}, "forest": given}
+        if fits:
+            config.read("a", tables)
+        else:
+            with pytest.raises(
+                ValueError, match=r"\[forest\]: 900 leaves of 300 classes .* need \d+ block RAMs"
+            ):
+                config.read("a", tables)
+    monkeypatch.setattr(budget, "BANK_WORDS", 4)  # the largest tree has four words, half a bank two
+    for banks, fits in ((1, True), (2, False)):
+        row = rows(meissner.Forest(model(LEAVES, [0, 1])), banks)["ulx3s SDRAM"]
+        assert (row["fits"], row["room"], row["words"]) == (fits, 16 // banks, 7)
+
+
+def test_ten_classes_and_300_features_are_fitted_in_few_tries(monkeypatch):
+    """Cut nodes of ten classes fill the table of leaves; a node's word numbers 256 of 300 features. Of ten
+    classes as many whole trees as fit are tried, too: one more would not fit."""
+    x, y = load_digits(return_X_y=True)
+    tried, build = [], Reducer.build
+    monkeypatch.setattr(Reducer, "build", lambda self, *given: tried.append(1) or build(self, *given))
+    for wide, board in ((False, "icebreaker"), (False, "ulx3s:12F"), (True, "icebreaker")):
+        own, labels = (np.tile(x, 5)[:400, :300], y[:400] > 4) if wide else (x[:600], y[:600])
+        if wide:
+            own = own + np.random.default_rng(1).normal(size=own.shape)
+        trained = RandomForestClassifier(60, random_state=1).fit(own[::2], labels[::2])
+        forest, room = meissner.Forest(trained), budget.Room.of(board)
+        room = room._replace(rams=11 if board == "ulx3s:12F" else room.rams)
+        compared = budget.Compared(forest, own[1::2], labels[1::2])
+        assert not room.fits(forest.model)
+        tried.clear()
+        small, _, same = budget.fit(Reducer(forest, own[::2]), compared, room)
+        assert room.fits(small) and len(tried) < 100, len(tried)
+        assert same == np.mean(meissner.Forest(small).predict(own[1::2]) == forest.predict(own[1::2])) > 0.8
+        if board == "ulx3s:12F":
+            count = len(small.trees)
+            assert (
+                small.nodes == sum(len(tree.feature) for tree in forest.model.trees[:count])
+                and 32 < count < 60
+            )
+            assert not room.fits(replace(forest.model, trees=forest.model.trees[: count + 1]))
 
 
 def test_a_forest_of_leaves_alone():

@@ -11,6 +11,18 @@ from sklearn.tree import DecisionTreeClassifier
 import meissner
 from forest.compare import agree
 from forest.trees import decide
+from meissner.forest import cost
+
+NEAR = 0.06  # of the clocks of a row alone: what a budget of them may miss
+
+
+def near(forest, x):
+    """The clocks of rows alone are those of a budget (docs/forest.md), for each row."""
+    said = cost.of_rows(forest.model, np.maximum(forest.steps(x), 1), forest.engines)["block RAM"]
+    alone = forest.clocks(x)
+    print(f"clocks of a row alone: {alone.mean():.1f}, by the budget {said.mean():.1f}")
+    assert (abs(said / alone - 1) < 3 * NEAR).all() and abs(said.mean() / alone.mean() - 1) < NEAR
+
 
 IRIS, WINE = load_iris(return_X_y=True), load_wine(return_X_y=True)
 
@@ -45,6 +57,18 @@ def test_every_row_of_known_data(data, model, engines):
     assert np.array_equal(found.votes, votes_of_leaves(model, x))
     assert found.votes.tolist() == [decide(forest.model, q)[0] for q in forest.quantise(x)[0]]
     print(forest.run)
+    near(forest, x[::5])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("engines", [1, 3])
+def test_a_hundred_classes(engines):
+    """The votes of a leaf take longer than its walk."""
+    x = np.random.default_rng(1).normal(size=(900, 5))
+    model = RandomForestClassifier(20, min_samples_leaf=3, random_state=1).fit(x, np.arange(900) % 100)
+    forest = meissner.Forest(model, engine="rtl", engines=engines)
+    agree(forest, model, x, "100 classes")
+    near(forest, x[::20])
 
 
 @pytest.mark.parametrize("engines", [1, 8])
@@ -58,6 +82,7 @@ def test_nine_of_ten_clocks_compare_a_node(engines):
     expected = sum(int(tree.decision_path(x[:60]).sum()) - 60 for tree in model.estimators_)
     assert forest.run.steps == expected
     assert forest.run.share >= 0.9
+    near(forest, x[:60:4])
 
 
 def test_missing_values_and_large_integers():

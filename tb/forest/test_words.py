@@ -73,6 +73,32 @@ def test_what_the_word_cannot_number_is_refused():
                 words.pack(given)
 
 
+@pytest.mark.parametrize("rule", [False, True])
+def test_of_more_than_256_features_those_asked_for_have_columns(rule):
+    """Of 300 features the nodes ask for 299 and 2. With a rule, one column each also holds their missing
+    values; where a core has a column for each of 256 features, these are used as they are."""
+    whole = file.document(model([[0, 65535]] * 3, [0, 1]))
+    features = [{"name": "a", "kind": "integer"}] * 300
+    lists = OTHER | {"threshold": [0, 1], "feature": [299, 2]} | ({"missing_left": [1, 0]} if rule else {})
+    given = file.check(whole | {"features": features, "trees": [lists]})
+    inside, inputs = words.without_missing(given)
+    assert inputs.source.tolist() == [2, 299] and inside.trees[0].feature.tolist() == [1, 0]
+    q, lost = np.arange(300)[None], np.zeros((1, 300), bool)
+    assert inputs.of(q, None).tolist() == [[2, 299]]
+    lost[0, 7] = True  # no node asks for it
+    assert inputs.of(q, lost).tolist() == [[2, 299]]
+    lost[0, 2] = True
+    if rule:
+        assert inputs.of(q, lost).tolist() == [[words.THRESHOLD_LIMIT - 1, 299]]
+    else:
+        with pytest.raises(ValueError, match="row 0: feature 2 is NaN"):
+            inputs.of(q, lost)
+    for room, source in ((2, [2, 299]), (300, [*range(300)]), (3, [*range(300)])):
+        assert words.without_missing(given, room)[1].source.tolist() == source
+    few = file.check(whole | {"features": features[:256], "trees": [lists | {"feature": [255, 2]}]})
+    assert len(words.without_missing(few)[1].source) == (2 if rule else 256)
+
+
 def votes(found, q, classes):
     """Votes for one row of columns: a walk through the memory as the table of docs/forest.md says."""
     total = np.zeros(classes, np.int64)

@@ -3,6 +3,7 @@ one costs, and the best that fits (docs/forest.md, "Budget")."""
 
 import json
 import os
+from bisect import bisect_left
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from meissner.builds.boards import BOARDS
 from meissner.builds.pins import description
 from meissner.files import check_kept, check_out, written
 from meissner.forest import file, words
-from meissner.forest.cost import RESERVE, Size, block_rams, clocks, depths, needs, size_of
+from meissner.forest.cost import RESERVE, Size, block_rams, clocks, depths, in_words, needs, size_of
 from meissner.forest.forest import Forest
 from meissner.forest.place import lengths, place
 from meissner.forest.reduce import Reducer
@@ -60,13 +61,15 @@ def budget(model, walked, engines=1, banks=1):
         "nodes_a_decision": [float(walked[0].sum(1).mean()), int(walked[1].sum(1).max())],
         "memories": [],
     }
-    inside = len(words.without_missing(model)[0].features) <= words.FEATURES
+    inside = in_words(model)
     for name, board, _, count, mhz in devices():
         need = needs(model, board.cells, engines, banks)
         found["memories"].append(_memory(name, need, count - RESERVE, spent["block RAM"], mhz, inside))
-    fits = _placed(model)
-    row = _memory(f"{SDRAM} SDRAM", 0, 0, spent["SDRAM"], 100.0, inside and fits)
-    found["memories"].append(row | {"words": size, "room": BANKS * BANK_WORDS})
+    # The leaves of three classes and more lie in block RAM.
+    inside = inside and _placed(words.without_missing(model)[0], banks)
+    need, room = needs(model, "ecp5", 1, banks, sdram=True), Room.of(SDRAM).rams
+    row = _memory(f"{SDRAM} SDRAM", need, room, spent["SDRAM"], 100.0, inside)
+    found["memories"].append(row | {"words": size, "room": BANKS * BANK_WORDS // banks})
     return found
 
 
@@ -78,9 +81,9 @@ def of_config(config):
     return budget(forest.model, walks(Forest(forest.model)), forest.engines, forest.banks)
 
 
-def _placed(model):
+def _placed(model, banks):
     try:
-        place(model)
+        place(model, room=BANK_WORDS // banks)
     except ValueError:
         return False
     return True
@@ -101,7 +104,9 @@ def tell(found):
     ]
     rows = [("memory", "block RAMs", "clocks, mean", "worst", "MHz", "us, mean", "worst", "")]
     for each in found["memories"]:
-        need = f"{each['block_rams']} of {each['room']}" if "words" not in each else f"{each['words']} words"
+        need = f"{each['block_rams']} of {each['room']}"
+        if "words" in each:
+            need = f"{each['block_rams']}, {each['words']} words"
         numbers = (*map(str, each["clocks"]), f"{each['mhz']:g}", *(f"{us:.1f}" for us in each["us"]))
         rows.append((each["memory"], need, *numbers, "fits" if each["fits"] else "too large"))
     return [*text, *columns(rows, numbers=True)]
@@ -174,14 +179,15 @@ class Room(NamedTuple):
         return cls(*known[name], engines, banks)
 
     def fits(self, model):
-        return needs(model, self.cells, self.engines, self.banks) <= self.rams
+        return in_words(model) and needs(model, self.cells, self.engines, self.banks) <= self.rams
 
-    def nodes(self, size: Size):
-        """The most nodes of a forest of else that ``size`` that fit."""
+    def nodes(self, size: Size, leaves=0.0):
+        """The most nodes of a forest of else that ``size`` that fit, with so many ``leaves`` for each."""
         low, high = 0, 1 << 24
         while high - low > 1:
             middle = (low + high) // 2
-            need = block_rams(replace(size, nodes=middle), self.cells, self.engines, self.banks)
+            own = replace(size, nodes=middle, leaves=max(int(leaves * middle * self.engines), 1))
+            need = block_rams(own, self.cells, self.engines, self.banks)
             low, high = (middle, high) if need <= self.rams else (low, middle)
         return low * self.engines
 
@@ -199,21 +205,37 @@ def fit(reducer, compared, room):
     """(model, accuracy, same class) of the best forest that fits ``room``, None if there is none.
 
     For each number of trees the nodes that matter most are kept, as many as fit; the number whose forest
-    gives most rows of ``compared`` the whole forest's class is taken, of equal ones the larger.
+    gives most rows of ``compared`` the whole forest's class is taken, of equal ones the larger. As each cut
+    adds a leaf to the table of three classes and more, these forests also try as many whole trees as fit.
     """
     count, best = len(reducer.model.trees), None
-    size = replace(size_of(words.without_missing(reducer.model)[0], room.engines), leaves=1)
-    for part in (64, 48, 32, 24, 16, 12, 8, 4, 2, 1):
-        trees = max(count * part // 64, 1)
-        nodes = room.nodes(replace(size, trees=-(-trees // room.engines)))
+
+    def score(model):
+        nonlocal best
+        scored = compared.of(model)
+        if best is None or scored[1] > best[2]:
+            best = (model, *scored)
+
+    if len(reducer.model.classes) != 2:
+        first = lambda trees: replace(reducer.model, trees=reducer.model.trees[:trees])
+        if fitting := bisect_left(range(1, count + 1), True, key=lambda trees: not room.fits(first(trees))):
+            score(first(fitting))
+    whole = size_of(words.without_missing(reducer.model)[0], room.engines)
+    for trees in dict.fromkeys(max(count * part // 64, 1) for part in (64, 48, 32, 24, 16, 12, 8, 4, 2, 1)):
+        size = replace(whole, trees=-(-trees // room.engines), features=min(whole.features, words.FEATURES))
+        nodes = room.nodes(size)
         model = reducer.build(reducer.cheapest(nodes, trees), trees)
         while not room.fits(model) and nodes > trees:
-            nodes = min(nodes - max(nodes // 64, 1), model.nodes)
+            most = (
+                room.nodes(size, len(model.leaves) / max(model.nodes, 1))
+                if len(model.classes) != 2
+                else nodes
+            )
+            step = nodes // 64 if in_words(model) else nodes // 8
+            nodes = min(nodes - max(step, 1), model.nodes, most)
             model = reducer.build(reducer.cheapest(nodes, trees), trees)
         if room.fits(model):
-            scored = compared.of(model)
-            if best is None or scored[1] > best[2]:
-                best = (model, *scored)
+            score(model)
     return best
 
 
@@ -236,8 +258,6 @@ def command(arguments):
             raise ValueError(f"{arguments.toml} must be a .toml file")
         check_kept(arguments.toml, arguments.overwrite, [])
     room = Room.of(arguments.fit, engines, banks) if arguments.fit is not None else None
-    if room is not None:
-        words.check(words.without_missing(forest.model)[0])
     names = [feature.name for feature in forest.model.features]
     x, y = read(arguments.data, names, labelled=True)[:2] if arguments.data else (None, None)
     found = budget(forest.model, walks(forest, x), engines, banks)

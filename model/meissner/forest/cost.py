@@ -8,9 +8,9 @@ from meissner.forest import file, words
 from meissner.twins.shared import index_width
 
 LANES = 4  # of classes that an engine adds in a clock
-SHARE = 0.95  # of the clocks in which an engine of block RAM compares a node
-SDRAM_CLOCKS = 4.2  # a node (tb/forest/test_forest_sdram.py)
-WALK_CLOCKS = 28  # from a node to its child, through the SDRAM
+# Clocks of a node if others fill the time, and from a node to its child.
+CLOCKS = {"block RAM": (1.0, 11), "SDRAM": (4.2, 28)}  # tb/forest/test_forest_sdram.py
+END_CLOCKS = 13  # of a decision, beside the features, classes and engines
 RESERVE = 1  # block RAM for what else a core has; one that reads a sensor may need more
 SDRAM_ADDRESS = 22  # bits
 
@@ -115,9 +115,19 @@ def block_rams(size: Size, cells: str, engines=1, banks=1, lanes=LANES, sdram=Fa
     return engines * each + queues + row_votes_times
 
 
-def needs(model: file.Model, cells: str, engines=1, banks=1) -> int:
+def needs(model: file.Model, cells: str, engines=1, banks=1, sdram=False) -> int:
     """Block RAMs of ``model`` in a core, as many for each engine as for the fullest."""
-    return block_rams(size_of(words.without_missing(model)[0], engines), cells, engines, banks)
+    size = size_of(words.without_missing(model)[0], engines)
+    return block_rams(size, cells, engines, banks, sdram=sdram)
+
+
+def in_words(model: file.Model) -> bool:
+    """Whether the words of nodes have room for what ``model`` consists of."""
+    try:
+        words.check(words.without_missing(model)[0])
+    except ValueError:
+        return False
+    return True
 
 
 def depths(tree):
@@ -130,14 +140,30 @@ def depths(tree):
     return int(below[0]) if len(below) else 0
 
 
-def clocks(model, walked, engines):
+def clocks(model, walked, engines, lanes=LANES):
     """{"block RAM", "SDRAM"}: (mean, worst) clocks of a decision; ``walked``: as ``walks`` gives them."""
-    found = [_clocks(model, steps, engines) for steps in walked]
+    found = [of_rows(model, steps, engines, lanes) for steps in walked]
     return {name: (round(found[0][name].mean()), round(found[1][name].max())) for name in found[0]}
 
 
-def _clocks(model, steps, engines):
-    busiest = np.max([steps[:, own].sum(1) for own in words.spread(model, engines)], axis=0)
-    ends = columns(model) + len(model.classes) * (engines + 4)
-    outside = np.maximum(steps.sum(1) * SDRAM_CLOCKS, WALK_CLOCKS * steps.max(1)) + ends
-    return {"block RAM": busiest / SHARE + ends, "SDRAM": outside}
+def of_rows(model, steps, engines, lanes=LANES):
+    """The same of each row alone, from its first feature to its last vote; ``steps`` [rows, trees].
+
+    What takes longest: the longest walk by itself; all nodes of the busiest engine, and half the longest walk
+    while it has no other left; the first leaf, then the votes of all leaves, ``lanes`` classes a clock."""
+    found = {}
+    for name, (node, child) in CLOCKS.items():
+        count = engines if name == "block RAM" else 1
+        shares = words.spread(model, count)
+        each = [steps[:, own] for own in shares if own]
+        walk, groups = child * steps.max(1), -(-len(model.classes) // lanes)
+        busiest = [node * own.sum(1) + walk / 2 for own in each]
+        votes = [child * own.min(1) + groups * own.shape[1] for own in each]
+        found[name] = (
+            np.max([walk, *busiest, *votes], axis=0)
+            + columns(model)
+            + len(model.classes)
+            + count
+            + END_CLOCKS
+        )
+    return found

@@ -6,6 +6,7 @@ squares about that mean, of all rows and classes. For a price a node, the trees 
 nodes follow from the leaves up; the price is the lowest that leaves no more nodes than there is room for."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -35,6 +36,7 @@ class Reducer:
         for depth, level in enumerate(self.levels):
             self.depth[level] = depth
         self._count(x)
+        self._rows = cache(self._rows)
 
     def _count(self, x):
         nodes, votes = len(self.tree), self.model.leaves.astype(np.float64)
@@ -101,15 +103,17 @@ class Reducer:
                 break
         return self.priced(high, trees)
 
+    def _rows(self, bits):
+        """(table of distinct votes in ``bits``, the row of each leaf, that of each node if it is cut)."""
+        whole = np.concatenate([self.model.leaves.astype(np.float64), self.mean])
+        table, row = np.unique(_coarse(whole, bits), axis=0, return_inverse=True)
+        return table, *np.split(row.ravel(), [len(self.model.leaves)])
+
     def build(self, kept, trees=None, bits=16):
         """The Model of the first ``trees`` with the nodes ``kept``, its leaves in ``bits``; a node whose two
         leaves are then the same becomes this leaf."""
         trees = len(self.model.trees) if trees is None else trees
-        # What stands at each node that is cut, and at each leaf: a row of `table`.
-        whole = np.concatenate([self.model.leaves.astype(np.float64), self.mean])
-        table, row = np.unique(_coarse(whole, bits), axis=0, return_inverse=True)
-        row = row.ravel()
-        leaf_row, cut_row = row[: len(self.model.leaves)], row[len(self.model.leaves) :]
+        table, leaf_row, cut_row = self._rows(bits)
         below = self.children
         value = np.where(below < 0, leaf_row[-1 - np.minimum(below, -1)], cut_row[below.clip(0)])
         kept, cut_row = kept.copy(), cut_row.copy()

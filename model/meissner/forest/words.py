@@ -43,10 +43,11 @@ class Inputs(NamedTuple):
         columns = q[:, self.source]
         if missing is None:
             return columns
-        if self.missing is None:
-            row, feature = np.argwhere(missing)[0]
+        if self.missing is None and (lost := missing[:, self.source]).any():
+            row, column = np.argwhere(lost)[0]
+            feature = self.source[column]
             raise ValueError(f"row {row}: feature {feature} is NaN, and the core has no column for that")
-        return np.where(missing[:, self.source], self.missing, columns)
+        return columns if self.missing is None else np.where(missing[:, self.source], self.missing, columns)
 
 
 def fits(thresholds) -> bool:
@@ -70,16 +71,24 @@ def without_missing(model: Model, room: int | None = None) -> tuple[Model, Input
     """The same decisions without missing_left, which a word has no bit for. A column per feature and side on
     which its missing values go: in one they are below every threshold, in the other above.
 
-    ``room``: the number of columns that there are; if it is another one, or if those needed are more than a
-    word can number, a column per feature, without missing values."""
-    every = np.arange(len(model.features))
-    whole = replace(model, trees=[replace(tree, missing_left=None) for tree in model.trees]), Inputs(every)
-    if model.trees[0].missing_left is None:
-        return whole
-    keys = [2 * tree.feature + tree.missing_left for tree in model.trees]
-    columns = np.unique(np.concatenate(keys)) if model.nodes else np.zeros(1, np.int64)
-    if len(columns) > FEATURES if room is None else len(columns) != room:
-        return whole
+    ``room``: the number of columns that there are. If it is another one, or if those needed are more than a
+    word can number, a column per feature, without missing values; if these are too many or not ``room``
+    either, and the features that a node asks for are not, a column for each of those."""
+    every, used = np.arange(len(model.features)), [tree.feature for tree in model.trees]
+    fitting = lambda found: len(found) <= FEATURES if room is None else len(found) == room
+    distinct = lambda keys: np.unique(np.concatenate(keys)) if model.nodes else np.zeros(1, np.int64)
+    rule = model.trees[0].missing_left is not None
+    keys = [2 * tree.feature + tree.missing_left for tree in model.trees] if rule else used
+    columns = distinct(keys)
+    if not (rule and fitting(columns)):
+        sources = distinct(used)
+        if fitting(every) or not fitting(sources):
+            sources = every
+        trees = [
+            replace(tree, feature=np.searchsorted(sources, tree.feature), missing_left=None)
+            for tree in model.trees
+        ]
+        return replace(model, features=[model.features[at] for at in sources], trees=trees), Inputs(sources)
     ranked = [model.features[key // 2].thresholds for key in columns]
     low = np.array([-THRESHOLD_LIMIT if each is None else 0 for each in ranked], np.int64)
     high = np.array([THRESHOLD_LIMIT - 1 if each is None else len(each) + 1 for each in ranked], np.int64)

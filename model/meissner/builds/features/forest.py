@@ -83,10 +83,13 @@ class Forest:
         """ValueError, with its budget, if the forest does not fit the block RAMs of a device."""
         need, there = self.rams(cells), rams - cost.RESERVE
         if need > there:
+            what = f"{self.size.leaves} leaves of {self.size.classes} classes", "fewer banks or leaves"
+            if not self.sdram:
+                what = f"{self.size.nodes} nodes", "fewer banks or nodes, memory = 'sdram'"
             raise ValueError(
-                f"[forest]: {self.size.nodes} nodes for each of {self.engines} engines in {self.banks} banks "
-                f"need {need} block RAMs but the {where} has {there} for them: fewer banks or nodes, "
-                f"memory = 'sdram', or `meissner forest-budget F.json --fit {where.replace(' ', ':')}`"
+                f"[forest]: {what[0]} for each of {self.engines} engines in {self.banks} banks "
+                f"need {need} block RAMs but the {where} has {there} for them: {what[1]}, "
+                f"or `meissner forest-budget F.json --fit {where.replace(' ', ':')}`"
             )
 
 
@@ -96,7 +99,7 @@ def clocks(base: "Config") -> int:
     if not forest.frames or forest.model is None:
         return 1
     longest = np.array([[max(cost.depths(tree), 1) for tree in forest.model.trees]])
-    worst = cost.clocks(forest.model, (longest, longest), forest.engines)
+    worst = cost.clocks(forest.model, (longest, longest), forest.engines, forest.lanes)
     return int(worst["SDRAM" if forest.sdram else "block RAM"][1])
 
 
@@ -112,9 +115,8 @@ def check(base: "Config") -> None:
         raise ValueError(
             f"[clock]: mhz = {base.clk_khz / 1000:g} must be 100 with memory = 'sdram' (docs/sdram.md)"
         )
-    if not forest.sdram:
-        forest.check_room(*LARGEST)
-    elif forest.size.nodes > BANKS * BANK_WORDS // forest.banks:
+    forest.check_room(*LARGEST)
+    if forest.sdram and forest.size.nodes > BANKS * BANK_WORDS // forest.banks:
         raise ValueError(f"[forest]: {forest.size.nodes} nodes in {forest.banks} banks do not fit the SDRAM")
 
 
