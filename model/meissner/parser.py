@@ -557,7 +557,10 @@ def _forest(commands):
         help="block RAMs and clocks of a forest on each board, what a smaller one costs, the best that fits",
         example="forest-budget F.json",
     )
-    parser.add_argument("forest", metavar="F.json", help="a forest (docs/forest.md)")
+    parser.add_argument("forest", metavar="F.json", help="a forest (docs/forest.md), or a trained one's file")
+    parser.add_argument(
+        "--trust", action="store_true", help="load a .joblib or pickle file, which runs the code it holds"
+    )
     parser.add_argument(
         "--data", metavar="FILE", help="labelled rows, .npz or .csv: walks, accuracy, smaller forests"
     )

@@ -296,6 +296,7 @@ REFUSED = {
     "engines": (["--engines", "65"], "engines = 65"),
     "banks": (["--banks", "3"], "banks = 1 or 2|banks = 3"),
     "kind": (["--data", "rows.txt"], "there is no file|must be a .npz or a .csv"),
+    "json": (["--fit", "ulx3s", "--out", "x.txt"], "x.txt must be a .json file"),
 }
 
 
@@ -339,9 +340,16 @@ def test_labels_without_a_header(tmp_path):
 
 
 def test_two_arrays_are_needed(wine, tmp_path):
-    np.savez(tmp_path / "rows.npz", x=np.zeros((2, 13)))
-    with pytest.raises(ValueError, match="no array y"):
-        rows.read(tmp_path / "rows.npz", [], labelled=True)
+    for labels, says in (({}, "no array y"), ({"y": np.array([None, "a"])}, r"save .* y.astype\(str\)")):
+        np.savez(tmp_path / "rows.npz", x=np.zeros((2, 13)), **labels)
+        with pytest.raises(ValueError, match=says):
+            rows.read(tmp_path / "rows.npz", [], labelled=True)
+
+
+def test_labels_that_no_class_has_are_counted(wine, tmp_path, capsys):
+    np.savez(tmp_path / "rows.npz", x=wine[2], y=np.where(wine[3] == "rose", "pink", wine[3]))
+    text = run(capsys, wine[0] / "F.json", "--data", tmp_path / "rows.npz")
+    assert f"{(wine[3] == 'rose').sum()} of 89 labels are none of the forest's classes" in text
 
 
 def best(source, label, board):

@@ -12,6 +12,7 @@ import onnx
 import onnxruntime
 import pytest
 import skl2onnx
+import sklearn
 import skops.io
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -512,6 +513,7 @@ def test_the_command_writes_a_forest_and_keeps_files(tmp_path, capsys):
         (("--overwrite", "--integer", "x13"), "no feature 'x13'"),
         (("--out", tmp_path / "m.skops", "--overwrite"), "is an input of this command"),
         (("--out", tmp_path / "no" / "F.json"), "there is no folder"),
+        (("--out", tmp_path / "F.txt"), "F.txt must be a .json file"),
     ):
         code, _, err = run(capsys, *given, *more)
         assert code == 2 and says in err and err.count("\n") == 1
@@ -525,3 +527,17 @@ def test_the_command_writes_a_forest_and_keeps_files(tmp_path, capsys):
         code, _, err = run(capsys, "export-forest", tmp_path / name, "--out", tmp_path / "G.json")
         assert code == 2 and says in err and not (tmp_path / "G.json").exists()
     assert run(capsys, "export-forest", tmp_path / "m.pkl", "--trust", "--out", tmp_path / "G.json")[0] == 0
+    assert run(capsys, "forest-budget", tmp_path / "m.pkl", "--trust")[0] == 0
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_model_of_another_version_says_so_in_one_line(tmp_path, capsys):
+    """The versions' own warnings, two of three lines for each kind of estimator, are not printed."""
+    now = sklearn.__version__
+    other = f"0{now[1:]}"
+    joblib.dump(KINDS[0].fit(X, Y), tmp_path / "m.joblib")
+    whole = (tmp_path / "m.joblib").read_bytes()
+    (tmp_path / "m.joblib").write_bytes(whole.replace(now.encode(), other.encode()))
+    given = ("export-forest", tmp_path / "m.joblib", "--trust", "--out", tmp_path / "F.json")
+    code, out, err = run(capsys, *given)
+    assert (code, err) == (0, "") and f"scikit-learn {other} RandomForestClassifier, read by {now}: 7" in out

@@ -226,6 +226,7 @@ REFUSED = {
     "1,2,3\n": "need 2 columns, not 3",
     "u,v\n1,2\n1\n": "line 3: 1 values are not 2",
     "u,v\n1,2\n1,x\n": "row 1: v = 'x' is not a number",
+    "u,v\n1,2\n1,1_0\n": "row 1: v = '1_0' is not a number",
     "u,v\n": "must have the shape [rows, 2]",
     "": "has no rows",
     "u,v\n1,2.5\n": "v must be an integer",
@@ -236,7 +237,7 @@ REFUSED = {
     "u,v\n1,2\n--engine warp": "unknown engine 'warp'",
     "u,v\n1,2\n--single": "--single counts clocks",
     "u,v\n1,2\n--engines 65": "engines = 65",
-    "u,v\n1,2\n--forest x.csv": "must be a .skops, .onnx or .joblib file",
+    "u,v\n1,2\n--forest x.csv": "must be a .json, .skops, .onnx or .joblib file",
 }
 
 

@@ -97,7 +97,7 @@ def _memory(name, need, room, spent, mhz, known):
 def tell(found):
     mean, worst = found["nodes_a_decision"]
     text = [
-        f"{found['trees']} trees, {found['nodes']} nodes, {found['bits'] / 1e6:.2f} Mbit, "
+        f"{found['trees']} trees, {found['nodes']} nodes, {found['bits'] / 1e6:.3g} Mbit, "
         f"{found['classes']} classes, {found['features']} features",
         f"nodes of a decision: mean {mean:.0f}, worst {worst}",
         "",
@@ -130,7 +130,8 @@ class Compared:
         key = (lambda label: str(label).strip()) if isinstance(classes[0], str) else _number
         labels = {key(label): index for index, label in enumerate(classes)}
         self.truth = np.array([labels.get(key(each), -1) for each in y.tolist()])
-        if (self.truth < 0).all():
+        self.unknown = int((self.truth < 0).sum())
+        if self.unknown == len(self.truth):
             raise ValueError(f"no label of the data is one of the forest's classes: {plain(str(y[0]))}")
         self.x, self.whole = x, forest.process(x).index
 
@@ -241,7 +242,7 @@ def fit(reducer, compared, room):
 
 def command(arguments):
     """``meissner forest-budget``."""
-    forest = Forest.from_file(arguments.forest)
+    forest = Forest.from_file(arguments.forest, trust=arguments.trust)
     engines, banks = arguments.engines, arguments.banks
     if not 1 <= engines <= 64 or banks not in (1, 2):
         raise ValueError(f"engines = {engines} must lie in 1 .. 64, banks = {banks} be 1 or 2")
@@ -250,7 +251,7 @@ def command(arguments):
     if arguments.out and arguments.fit is None:
         raise ValueError("--out writes the forest that --fit finds")
     if arguments.out:
-        check_out(arguments.out)
+        file.check_out(arguments.out)
     if arguments.toml:
         if not arguments.out:
             raise ValueError("--toml writes a configuration for the forest of --out")
@@ -298,6 +299,10 @@ def command(arguments):
         return
     print(*tell(found), sep="\n")
     if "distinct_subtrees" in found:
+        if compared.unknown:
+            print(
+                f"\n{compared.unknown} of {len(x)} labels are none of the forest's classes: no class is right"
+            )
         print(f"\nequal subtrees merged: {found['distinct_subtrees']} nodes (the engines do not merge them)")
     if "smaller" in found:
         rows = [("forest", "nodes", "accuracy", "same class")]

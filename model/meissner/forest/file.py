@@ -108,8 +108,17 @@ def document(model):
     return dict(zip(_PARTS, values))
 
 
+def check_out(path):
+    """``path`` as a Path, if a forest may be written there and found again."""
+    path = files.check_out(path)
+    if path.suffix.lower() != ".json":
+        raise ValueError(f"{path} must be a .json file: it gets a forest")
+    return path
+
+
 def write(path, model):
     """Write ``model``, a tree a line, if it can be read again."""
+    path = check_out(path)
     whole = document(model)
     check(whole)
     lines = []

@@ -22,12 +22,12 @@ class Opened(NamedTuple):
     own: Callable[[], Any] | None = None
 
 
-def load(path, integer=(), trust=False):
+def load(path, integer=(), trust=False, others=""):
     """What a trained model's file holds; ``trust``: also one whose loading runs code."""
     path = Path(path)
     kind = _KINDS.get(path.suffix.lower())
     if kind is None:
-        raise ValueError(f"{path} must be a .skops, .onnx or .joblib file")
+        raise ValueError(f"{path} must be a {others}.skops, .onnx or .joblib file")
     files.check_in(path)
     kind = import_module(f"meissner.forest.{kind}")
     try:
@@ -42,4 +42,4 @@ def either(path, integer=(), trust=False):
     """The same, or the forest in F.json."""
     if Path(path).suffix.lower() == ".json":
         return Opened(file.read(path))
-    return load(path, integer, trust)
+    return load(path, integer, trust, ".json, ")

@@ -26,7 +26,11 @@ def read(path, names, labelled=False):
     path = files.check_in(path)
     kind, y = path.suffix.lower(), None
     if kind == ".npz":
-        given = files.read_arrays(path) or {}
+        given = files.read_arrays(path)
+        if given is None:
+            raise ValueError(
+                f"{path} is no .npz of numbers and texts; of objects, save x.astype(float), y.astype(str)"
+            )
         for name in ("x", "y")[: 1 + labelled]:
             if name not in given:
                 raise ValueError(f"{path} has no array {name}; it must have x [rows, features] and y [rows]")
@@ -84,6 +88,8 @@ def _plain(name):
 
 def _is_number(cell):
     try:
+        if isinstance(cell, str) and "_" in cell:
+            return False
         float(cell or "nan")
     except (ValueError, TypeError):
         return False
@@ -116,6 +122,8 @@ def _numbers(path, names, cells):
     if cells.dtype != object:
         return cells
     try:
+        if any(isinstance(cell, str) and "_" in cell for cell in cells.flat):  # 1_000, for Python a number
+            raise ValueError
         return np.where(cells == "", "nan", cells).astype(np.float64)
     except (ValueError, TypeError):
         row, column = next(at for at, cell in np.ndenumerate(cells) if not _is_number(cell))

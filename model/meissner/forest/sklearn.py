@@ -1,6 +1,7 @@
 """Forests of scikit-learn: an object in memory, or a joblib file, whose loading runs code."""
 
 import warnings
+from contextlib import suppress
 
 import numpy as np
 
@@ -22,7 +23,17 @@ def read(path, trust=False):
         import sklearn  # noqa: F401
     except ImportError:
         raise ValueError(f"it needs scikit-learn: {EXTRA}") from None
-    return joblib.load(path)
+    return quietly(joblib.load, path)
+
+
+def quietly(load, *given, **more):
+    """What ``load`` returns, without scikit-learn's warnings of another version, which `of_model` notes."""
+    with warnings.catch_warnings(record=True, action="always") as said:
+        found = load(*given, **more)
+    for each in said:
+        with suppress(AttributeError):
+            found._trained_by = each.message.original_sklearn_version
+    return found
 
 
 def no_forest(kind):
@@ -42,7 +53,9 @@ def own(given, model):
             share = given.predict_proba(x)
         return share.argmax(1), share
 
-    return model.source, decide
+    import sklearn
+
+    return f"scikit-learn {sklearn.__version__} {type(given).__name__}", decide
 
 
 def refusal(path, problem):
@@ -80,7 +93,10 @@ def of_model(model, integer=()):
         raise ValueError(f"the {kind.__name__} has no trees")
     names = [*map(str, getattr(model, "feature_names_in_", [f"x{index}" for index in range(features)]))]
     integer = names if integer is True else integer
-    return quantise(trees, classes, names, integer, f"scikit-learn {sklearn.__version__} {kind.__name__}")
+    now = sklearn.__version__
+    trained = getattr(model, "_trained_by", now)
+    source = f"scikit-learn {trained} {kind.__name__}" + f", read by {now}" * (trained != now)
+    return quantise(trees, classes, names, integer, source)
 
 
 def _raw(each, features, classes, place):

@@ -9,7 +9,7 @@ import zipfile
 import numpy as np
 
 from meissner.forest.quantise import Raw, check
-from meissner.forest.sklearn import EXTRA, KINDS, OUTPUTS, no_forest
+from meissner.forest.sklearn import EXTRA, KINDS, OUTPUTS, no_forest, quietly
 from meissner.forest.sklearn import of_model as of_model  # as of the other kinds of files
 from meissner.forest.sklearn import own as own
 
@@ -27,7 +27,7 @@ def read(path, trust=False):
     data = path.read_bytes()
     try:
         _check_trees(data)
-        return skops.io.loads(data, trusted=[TREE])
+        return quietly(skops.io.loads, data, trusted=[TREE])
     except UntrustedTypesFoundException:
         types = ", ".join(name for name in skops.io.get_untrusted_types(data=data) if name != TREE)
         raise ValueError(f"it holds {types}, and no forest needs that") from None

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner import files
+from meissner.forest import file
 from meissner.forest.sklearn import of_model
 from meissner.rope import labels, train
 from meissner.rope.published import TABLE_3, TABLE_4, TABLE_4_MEAN
@@ -68,7 +68,7 @@ def command(arguments):
     if not 1 <= arguments.trees <= 1000:
         raise ValueError(f"trees = {arguments.trees} must lie in 1 .. 1000")
     if arguments.out is not None:
-        files.check_out(arguments.out)
+        file.check_out(arguments.out)
     scene = load("rope_pull")
     forest, second, third, fourth, remarks = tables(scene, arguments.seed, arguments.trees)
     print("simulated ropes; published values in brackets")
@@ -76,7 +76,5 @@ def command(arguments):
         print(f"\n{title}", *table(rows), sep="\n")
     print("", *remarks, sep="\n")
     if arguments.out is not None:
-        from meissner.forest import file
-
         file.write(Path(arguments.out), of_model(forest, True))
         print(f"the forest of pattern {scene.world['pattern']}: {arguments.out}")
