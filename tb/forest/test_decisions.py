@@ -3,6 +3,8 @@ the values around it. Expected classes and probabilities are scikit-learn's own;
 its two best probabilities lie within twice the stated error.
 """
 
+import json
+
 import numpy as np
 import pytest
 from sklearn.base import clone
@@ -16,7 +18,7 @@ from sklearn.model_selection import cross_val_score
 from sklearn.tree import DecisionTreeClassifier, ExtraTreeClassifier
 
 import meissner
-from forest.compare import agree, sides, walk
+from forest.compare import ERROR, agree, sides, walk
 from meissner.forest import file, quantise
 
 IRIS, WINE = load_iris(return_X_y=True), load_wine(return_X_y=True)
@@ -47,6 +49,7 @@ def test_every_row_of_known_data_gets_scikit_learns_class(data, labels):
         forest = meissner.Forest(model.fit(x[::2], y[::2]))
         agree(forest, model, x, f"{data}, {labels}, {type(model).__name__}")
         assert forest.classes_.tolist() == model.classes_.tolist()
+        assert json.dumps(forest.model.classes) == json.dumps(model.classes_.tolist())  # true is not 1
         assert forest.predict(x).dtype == forest.classes_.dtype == model.classes_.dtype
         assert forest.predict_proba(x).dtype == model.predict_proba(x).dtype
         file.check(file.document(forest.model))
@@ -128,6 +131,15 @@ def test_votes_are_the_nearest_integers_and_a_half_goes_to_the_first_class():
         model = DecisionTreeClassifier(max_depth=1, min_samples_leaf=4).fit(x, y)
         assert model.predict_proba(x)[0, :2].tolist() == [0.5, 0.5]
         assert meissner.Forest(model).predict(x).tolist() == model.predict(x).tolist()
+
+
+def test_numbers_of_samples_are_probabilities_too():
+    """As versions of scikit-learn before 1.3 have them in place of probabilities, at whatever weight."""
+    model = DecisionTreeClassifier(max_leaf_nodes=5, random_state=1).fit(*IRIS)
+    share = model.predict_proba(IRIS[0])
+    model.tree_.value[:] *= 1e-3 * np.arange(1, model.tree_.node_count + 1)[:, None, None]
+    assert model.predict_proba(IRIS[0]).sum(1).max() < 0.1
+    assert np.abs(meissner.Forest(model).predict_proba(IRIS[0]) - share).max() <= ERROR
 
 
 @pytest.mark.parametrize("case", range(6))
