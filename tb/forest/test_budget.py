@@ -307,8 +307,10 @@ def test_refused(wine, capsys, name, tmp_path, monkeypatch):
     with pytest.raises(SystemExit) as stopped:
         main(["forest-budget", str(wine[0] / "F.json"), *given])
     assert stopped.value.code == 2 or isinstance(stopped.value.code, str)
-    error = capsys.readouterr().err + str(stopped.value.code)
-    assert any(part in error for part in says.split("|")), error
+    said = capsys.readouterr()
+    error = said.err + str(stopped.value.code)
+    assert any(part in error for part in says.split("|")) and said.err.count("\n") <= 1, error
+    assert ("too large" in said.out) == (name == "too large") and "\\n" not in error  # with its budget
     assert not list(tmp_path.iterdir())
 
 

@@ -273,9 +273,9 @@ def command(arguments):
     model = forest.model
     if room is not None and not room.fits(model):
         if x is None:
+            print(json.dumps(found, indent=2) if arguments.json else "\n".join(tell(found)))
             raise ValueError(
-                f"{model.nodes} nodes do not fit {room.title}; give --data to find a smaller forest\n"
-                + "\n".join(tell(found))
+                f"{model.nodes} nodes do not fit {room.title}; give --data to find a smaller forest"
             )
         chosen = fit(reducer, compared, room)
         if chosen is None:
