@@ -174,7 +174,7 @@ async def a_time_is_held_at_its_end(dut):
     for hold in (0, 14, 15, 16, 30, 0xFFFF):
         await core.write(hold=hold)
         seen = await swings(core, 8)
-        for _ in range(36):
+        for _ in range(56):
             await core.frame(flat(300))
             seen.append(bench.read(dut.slip_o))
         assert seen[-1] == 0 and 1 in seen
