@@ -275,6 +275,25 @@ async def a_frame_that_ends_as_the_last_one_is_read_again_waits(dut):
             assert list(here.changes(0)[-1][1]) == [int(level > 0) for level in shown], place
 
 
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_frame_that_ends_about_a_wrap_counts_as_one(dut):
+    """In any clock: all stays on until ``stop``, one and a half periods, after the wrap that takes it."""
+    size = size_of(dut)
+    period = -(-WRAP // size.limits[0])
+    stop = 3 * period // (2 * size.tick_clocks)
+    here = await Bench().start(dut, DisplaySettings(increment=size.limits[0], stop=stop))
+    frame = [255] * size.pins
+    await here.frame(frame)
+    begun = await here.wrap() - size.lead
+    for late in range(-3, 4):
+        await bench.clocks(dut, begun + period + late - size.pins - here.clock)
+        await here.frame(frame)
+        await bench.clocks(dut, begun + 2 * period - 2 * size.pins - here.clock)
+        assert bench.high(dut.running_o) and bench.high(dut.hv_bl_o), late
+        await here.frame(frame)  # for the next wrap
+        begun = await here.wrap() - size.lead
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset(dut):
     await bench.inputs_in_reset(
