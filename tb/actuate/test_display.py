@@ -337,8 +337,8 @@ def test_a_display_that_could_never_show_anything_is_refused(build, taken, beyon
 
 
 def test_limits_in_clocks():
-    """At 24,001 kHz a tick has 6001 clocks: half of 10 s are 19,997 of them and a part. A pin is on from 1 on;
-    5 s are three whole sevenths of 10 s."""
+    """At 24,001 kHz a tick has 6001 clocks: half of 10 s are 19,997 of them and a part. A pin is on from 1
+    on; 5 s are three whole sevenths of 10 s."""
     build = FINGERS | {"clock": {"mhz": 24.001}, "display": {"stop_s": 2.0}}
     display = config.read("a", build).features["display"]
     assert 5 * 24_001_000 - 6001 < display.pins.duty * 6001 <= 5 * 24_001_000

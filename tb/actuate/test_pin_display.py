@@ -4,6 +4,7 @@ stop, damaged and too many frames, settings within a period. The twin against th
 tb/reference/pin_display.py."""
 
 import random
+import re
 from collections import Counter
 
 import cocotb
@@ -13,6 +14,7 @@ from cocotb.triggers import FallingEdge
 from cocotb.utils import get_sim_time
 
 import bench
+from meissner.builds.toolchain import ROOT
 from meissner.twins.actuate.pin_display import (
     DisplaySettings,
     DisplaySize,
@@ -355,6 +357,50 @@ def test_refuses_what_cannot_be_shifted_in_time():
     for wrong in ({"watchdog": 16}, {"top": 256}, {"increment": 1 << 32}):
         with pytest.raises(ValueError, match=next(iter(wrong))):
             DisplaySettings(**wrong)
+
+
+PAGE = [  # of docs/pin_display.md: pins, chains, MHz, us of a load and of Lead, most bits, us of their slot
+    (100, 1, 25, 23, 29, 5, 39),
+    (35, 1, 12, 12, 19, 5, 39),
+    (1000, 1, 48, 144, 166, 2, 312),
+    (1000, 4, 48, 36, 58, 4, 78),
+]
+
+
+@pytest.mark.parametrize("pins, chains, mhz, load, lead, bits, slot", PAGE)
+def test_the_pages_table_of_loads(pins, chains, mhz, load, lead, bits, slot):
+    """A clock's half by 8 MHz, 8 bits and a pause a word; a slot of 400 Hz and 2^(bits + 1) must have 8
+    clocks more."""
+    whole, half = -(-pins // chains // 64) * 64, -(-mhz // 16)
+    clocks = whole // 8 * 9 * 2 * half
+    assert [round(clocks / mhz), round((pins + clocks + 48) / mhz)] == [load, lead]
+    assert int(mhz * 1e6 / 400 / 2 ** (bits + 1) / mhz) == slot
+    size = DisplaySize(pins, chains, bits, 1000 * mhz)
+    assert (size.load, size.lead) == (clocks, pins + clocks + 48)
+    with pytest.raises(ValueError, match=f"amplitude_bits = {bits + 1}"):
+        DisplaySize(pins, chains, bits + 1, 1000 * mhz)
+    row = (
+        rf"\| {pins:,}[^|]*, {chains} \| {mhz} MHz[^|]*\| {load} µs \| {lead} µs \| {bits} \([^|]*{slot} µs\)"
+    )
+    assert re.search(row, (ROOT / "docs/pin_display.md").read_text("utf-8"))
+
+
+def test_when_a_pin_that_is_held_is_off():
+    """The page: three sevenths of 5715 ticks, up to one more; at 230 Hz 17.4 ticks a period are charged 18.4,
+    so that 20,000 hold 1087 periods."""
+    size = DisplaySize(pins=2)
+    for duty, watchdog, start, least, most in (
+        (65535, 3, 1, 5.71, 5.72),
+        (65535, 3, 35_700_000, 4.28, 4.29),
+        (20_000, 3, 1, 4.72, 4.73),
+        (12_000, 15, 1, 2.83, 2.84),
+    ):
+        settings = DisplaySettings(increment_of(230, 25_000), duty=duty, watchdog=watchdog)
+        twin = PinDisplay(size, settings)
+        twin.on_again(start)
+        periods = [twin.next([1, 0])] + [twin.next() for _ in range(1400)]
+        on = [period.start for period in periods if period.levels.any()]
+        assert least < (on[-1] - on[0]) / 25e6 + 1 / 230 < most
 
 
 def test_widths_of_pulses_by_hand():

@@ -408,7 +408,7 @@ def test_view_of_pins():
         shown.tick(at)
         assert shown.pins.picture(shown.image) == picture
     words = [("display.levels", 0xFF0201), ("display.levels", 0x1_050400)]
-    with pytest.raises(ValueError, match="display.source = 0"):
+    with pytest.raises(ValueError, match=r"display\.source = 0"):
         host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
     state |= {"state": 2, "source": 1}
     shown.tick(3e9)

@@ -218,7 +218,7 @@ class Core:
         words = display.words(found)
         if not self["display.source"]:
             raise ValueError("display.source = 0: the pins show the sensor's frames, and a host's with 1")
-        # What was sent of another frame, or a word that was sent twice, makes this one too long: it is dropped.
+        # What was sent of another frame, or a word sent twice, makes this one too long: it is dropped.
         for _ in range(2 + self.retries):
             sent, ended, self._frame_ended = self.counts.retries, self._frame_ended, False
             for word in words:

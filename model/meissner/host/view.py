@@ -76,8 +76,8 @@ class Pins:
         self.told += ", a fault of the sensor" * fault + ", limited" * limited
 
     def levels(self, image: packets.Image | None) -> NDArray[Any] | None:
-        """The pins for an image of the core, as it makes them, within the limits of a frame; of a host's frames
-        and slips it has none."""
+        """The pins for an image of the core, as it makes them, while it drives pins, within ``top`` and
+        ``most``; of a host's frames and slips it has none."""
         if image is None or self.host:
             return None
         self.render.shape = image.taxels.shape

@@ -85,7 +85,9 @@ def check(base: "Config") -> None:
         table = "[cop_slip]" if base.kind == "electrodes" else "[slip]"
         raise ValueError(f"[display]: cue_frames = {render.cue} must go with {table}, which finds a slip")
     if render.marker and base.kind == "channels":
-        raise ValueError("[display]: marker = true must go with an array or electrodes: it shows their centre")
+        raise ValueError(
+            "[display]: marker = true must go with an array or electrodes: it shows their centre"
+        )
     if base.kind == "electrodes" and not (display.host or render.marker or render.cue):
         raise ValueError(
             "[display]: electrodes must have marker = true or cue_frames above 0: without an image no pin is "
@@ -143,7 +145,9 @@ def config(keys: Keys, base: "Config") -> DisplayConfig:
         )
     least = ceil(ticks / exact(keys.drive_hz)) + 2  # of a drive period, as msn_pin_limits asks for it
     if settings.duty < least:
-        raise ValueError(f"duty = {keys.duty:g} must be at least {float(least / (10 * ticks)):g}, a drive period")
+        raise ValueError(
+            f"duty = {keys.duty:g} must be at least {float(least / (10 * ticks)):g}, a drive period"
+        )
     floor = _codes(keys, "floor", base, 1)
     render = RenderSettings(floor, _codes(keys, "step", base, 0), int(keys.marker), keys.cue_frames)
     grid = keys.rows, keys.columns
