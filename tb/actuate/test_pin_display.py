@@ -6,6 +6,8 @@ tb/reference/pin_display.py."""
 import random
 import re
 from collections import Counter
+from fractions import Fraction
+from itertools import pairwise
 
 import cocotb
 import numpy as np
@@ -172,6 +174,26 @@ async def every_edge_is_the_twins(dut, duty, watchdog):
                 min(b, end) - max(a, end - window) for a, b in driven if min(b, end) > max(a, end - window)
             )
             assert spent <= duty * size.tick_clocks, (pin, end)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def the_latch_keeps_the_frequency(dut):
+    """The clocks in which LE rises for a period, from the formula of the phase: the mean to 0.001 Hz, none a
+    clock off, none drifts."""
+    size = size_of(dut)
+    hz = Fraction(9977 * size.max_hz + 23 * size.min_hz, 10_000)  # no whole number of clocks
+    increment = increment_of(hz, size.clk_khz)
+    assert abs(Fraction(increment * 1000 * size.clk_khz, WRAP) - hz) < Fraction(1, 1000)
+    here, latched = await Bench().start(dut, DisplaySettings(increment)), []
+    await here.frame([255] * size.pins)
+    while len(latched) < 12:
+        await bench.RisingEdge(dut.hv_le_o)
+        await bench.ReadOnly()
+        if bench.high(dut.wrap_o):
+            latched.append(here.clock)
+    assert {b - a for a, b in pairwise(latched[1:])} == {WRAP // increment, WRAP // increment + 1}
+    for n, clock in enumerate(latched[1:]):
+        assert abs(clock - latched[1] - Fraction(n * WRAP, increment)) < 1, n
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

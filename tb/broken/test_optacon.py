@@ -149,7 +149,7 @@ def test_summation_as_on_the_thenar(monkeypatch, sound):
 
 
 @pytest.mark.parametrize(
-    "name, db, number", [("SA-I", 4, 1), ("FA-I", 14, 1), ("SA-II", -6, 2), ("FA-II", 5, 3)]
+    "name, db, number", [("SA-I", 4, 1), ("FA-I", 14, 1), ("SA-II", -6, 2), ("FA-II", 5, 3), ("FA-II", -5, 4)]
 )
 def test_a_threshold_that_is_off(monkeypatch, sound, name, db, number):
     one = receptors.CHANNELS[name]
