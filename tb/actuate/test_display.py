@@ -52,11 +52,11 @@ class Bench:
             await bench.RisingEdge(self.dut.clk_i)
         self.dut.image_valid_i.value = self.dut.image_last_i.value = 0
 
-    async def host(self, levels, cut=None):
+    async def host(self, levels, cut=None, source=True):
         for each in words(levels)[:cut]:
             for strobe in (1, 0):
                 self.dut.cfg_i.value = word(
-                    host=True, levels_next=each & 0xFFFFFF, levels_last=each >> 24, levels_written=strobe
+                    host=source, levels_next=each & 0xFFFFFF, levels_last=each >> 24, levels_written=strobe
                 )
                 await bench.clocks(self.dut, 1 + 4 * (1 - strobe))
 
@@ -184,8 +184,9 @@ async def a_centre_of_pressure_is_marked_and_a_slip_moves_by_the_register(dut):
 @felt
 @cocotb.test(timeout_time=9, timeout_unit="ms")
 async def a_hosts_words_are_a_frame(dut):
-    """A cut frame is dropped; the sensor's frames do not count, nor its faults."""
-    here = await Bench().start(dut, host=True)
+    """A cut frame is dropped; the sensor's frames do not count, nor its faults, nor words while they did."""
+    here = await Bench().start(dut)
+    await here.host(np.full(GRID, 1), cut=1, source=False)
     await here.host(np.full(GRID, 3))
     await bench.clocks(dut, 2 * PERIOD + SIZE.lead + 400)
     assert here.on.all()
@@ -339,7 +340,11 @@ def test_a_display_that_could_never_show_anything_is_refused(build, taken, beyon
 def test_limits_in_clocks():
     """At 24,001 kHz a tick has 6001 clocks: half of 10 s are 19,997 of them and a part. A pin is on from 1
     on; 5 s are three whole sevenths of 10 s."""
-    build = FINGERS | {"clock": {"mhz": 24.001}, "display": {"stop_s": 2.0}}
+    build = FINGERS | {"clock": {"mhz": 24.001}, "display": {"stop_s": 2.0, "most_pins": 7}}
+    build["display"] |= {"burst_s": 0.4, "burst_on_s": 0.1, "top": 3, "octant": 5, "cue_frames": 6}
     display = config.read("a", build).features["display"]
     assert 5 * 24_001_000 - 6001 < display.pins.duty * 6001 <= 5 * 24_001_000
     assert (display.pins.stop, display.pins.watchdog, display.render.floor) == (7999, 3, 1)
+    assert (display.pins.burst_period, display.pins.burst_on, display.pins.top) == (92, 23, 3)
+    assert (display.pins.most, display.octant, display.render.cue) == (7, 5, 6)
+    assert display.pins.increment == round(230 * 2**40 / 24_001_000)

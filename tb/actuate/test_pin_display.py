@@ -435,7 +435,7 @@ def test_twin_at_a_frequency_of_0_and_with_a_wrong_frame():
     """Periods of 1000 clocks, 25 ticks; a pause charges the period before it, and a silent one follows. The
     first period, the silent one, has one clock more, as its first has no increment."""
     size, frame = SIZES[0], [1] * 35
-    twin = PinDisplay(size, DisplaySettings(increment=size.limits[1], duty=3 * 26 + 27))
+    twin = PinDisplay(size, DisplaySettings(increment=size.limits[1], duty=3 * 26 + 28))
     twin.on_again(39)
     found = [twin.next(frame), twin.next(), twin.next()]
     assert [p.silent for p in found] == [True, False, False] and [p.clocks for p in found] == [
@@ -446,7 +446,7 @@ def test_twin_at_a_frequency_of_0_and_with_a_wrong_frame():
     assert twin.next(settings=DisplaySettings(increment=size.limits[0] - 1)) is None and not twin.levels.any()
     assert twin.next(settings=DisplaySettings()) is None  # off as before
     twin.on_again(9999)
-    again = DisplaySettings(increment=size.limits[1], duty=3 * 26 + 27)
+    again = DisplaySettings(increment=size.limits[1], duty=3 * 26 + 28)
     found = [twin.next(settings=again), *(twin.next() for _ in range(3))]
     assert [p.silent for p in found] == [True, False, False, False]
     assert [p.levels.all() for p in found] == [False, True, True, False]  # no room after four of 26 ticks
