@@ -191,7 +191,7 @@ async def the_latch_keeps_the_frequency(dut):
         await bench.ReadOnly()
         if bench.high(dut.wrap_o):
             latched.append(here.clock)
-    assert {b - a for a, b in pairwise(latched[1:])} == {WRAP // increment, WRAP // increment + 1}
+    assert {b - a for a, b in pairwise(latched[1:])} <= {WRAP // increment, WRAP // increment + 1}
     for n, clock in enumerate(latched[1:]):
         assert abs(clock - latched[1] - Fraction(n * WRAP, increment)) < 1, n
 
