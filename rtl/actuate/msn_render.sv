@@ -92,7 +92,7 @@ module msn_render #(
   logic [PinRowBits-1:0]    mark_row;
   logic [PinColumnBits-1:0] mark_column;
   logic [2:0]               octant;
-  logic [1:0]               phase, right, up, stripe;
+  logic [1:0]               phase, right, up, across, climb, stripe;
   logic [7:0]               cue, cue_next;
   logic [AlongBits-1:0]     along;
   logic [DownBits-1:0]      down;
@@ -100,7 +100,9 @@ module msn_render #(
   msn_constant_multiplier #(.Constant(PinRows), .InBits(16)) u_down (.in_data_i(y), .out_data_o(down));
   assign right    = octant[1:0] == 2'd2 ? 2'd0 : (octant >= 3'd3 && octant <= 3'd5) ? 2'd3 : 2'd1;
   assign up       = octant[1:0] == 2'd0 ? 2'd0 : octant[2] ? 2'd3 : 2'd1;
-  assign stripe   = right * 2'(pin_column) - up * 2'(pin_row) - phase;
+  assign across   = right == '0 ? '0 : right[1] ? -(2'(pin_column)) : 2'(pin_column);  // right * column
+  assign climb    = up == '0 ? '0 : up[1] ? -(2'(pin_row)) : 2'(pin_row);
+  assign stripe   = across - climb - phase;
   assign cue_next = cue + 1'b1;
   assign marked   = mark && mark_column == pin_column && mark_row == pin_row;
   always_ff @(posedge clk_i) begin
