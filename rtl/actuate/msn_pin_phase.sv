@@ -50,14 +50,14 @@ module msn_pin_phase #(
   localparam longint unsigned ClkHz     = 64'(ClkKhz) * 1000;
   localparam logic [31:0]     Least     = 32'(64'(MinHz) * Wrap / ClkHz);
   localparam logic [31:0]     Largest   = 32'(64'(MaxHz) * Wrap / ClkHz);
-  localparam int unsigned     RateBits  = $clog2(64'(Largest) + 1);  // below 32: MaxHz is at most ClkHz / 512
+  localparam int unsigned     RateBits  = $clog2(64'(Largest) + 1);  // below 32: MaxHz is at most ClkHz / 513
   localparam int unsigned     LeastBits = $clog2(64'(Least) + 1);
 
   if (ClkKhz < 1 || ClkKhz > 1_000_000) begin : gen_check_clk_khz
     $fatal(1, "msn_pin_phase: ClkKhz = %0d must lie in 1 .. 1000000", ClkKhz);
   end
-  if (MinHz < 1 || MinHz > MaxHz || 64'(MaxHz) * 512 > ClkHz) begin : gen_check_hz
-    $fatal(1, "msn_pin_phase: MinHz = %0d must be 1 or more, MaxHz = %0d must lie from it to ClkHz / 512",
+  if (MinHz < 1 || MinHz > MaxHz || 64'(MaxHz) * 513 > ClkHz) begin : gen_check_hz
+    $fatal(1, "msn_pin_phase: MinHz = %0d must be 1 or more, MaxHz = %0d must lie from it to ClkHz / 513",
            MinHz, MaxHz);
   end
   if (SlotBits < 2 || SlotBits > 7) begin : gen_check_slot_bits

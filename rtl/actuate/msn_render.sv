@@ -4,7 +4,7 @@
 //
 //   average  of a pin: sum of (overlap of taxel and pin) x / Taxels, the image's area divided evenly among the pins
 //   level    0 if the average is below floor, else 1 + floor((average - floor) / step), at most 2^AmplitudeBits - 1
-//   marker   the pin under the centre of pressure has the highest level
+//   marker   the pin under the newest centre of pressure as the frame begins has the highest level
 //   slip     in place of these stripes, every fourth pin, that move a pin in the slip's direction every `cue` frames
 //
 // Image: a frame for each complete image, the newest first. Without: for each centre of pressure. A taxel a clock: all
@@ -70,7 +70,7 @@ module msn_render #(
   assign final_column = pin_column == PinColumnBits'(PinColumns - 1);
   assign final_pin    = final_column && pin_row == PinRowBits'(PinRows - 1);
   always_ff @(posedge clk_i) begin
-    due <= (cop_valid_i || due) && !start;
+    due <= cop_valid_i || (due && !start);
     ask <= start || (known && !final_pin);
     if (known) begin
       pin_column <= final_column ? '0 : pin_column + 1'b1;
@@ -87,23 +87,24 @@ module msn_render #(
   // The marker's pin, and the stripes: right and up are -1, 0 or 1, mod 4 as all of it.
   localparam int unsigned AlongBits = 16 + msn_pkg::index_width(PinColumns + 1);
   localparam int unsigned DownBits  = 16 + msn_pkg::index_width(PinRows + 1);
-  logic [15:0]          x, y;          // from the left and the upper end, 2^15 at the other end
-  logic                 pressed, slips;
-  logic [2:0]           octant;
-  logic [1:0]           phase, right, up, stripe;
-  logic [7:0]           cue, cue_next;
-  logic [AlongBits-1:0] along;
-  logic [DownBits-1:0]  down;
-  logic                 marked;
+  logic [15:0]              x, y;          // from the left and the upper end, 2^15 at the other end
+  logic                     pressed, mark, marked, slips;
+  logic [PinRowBits-1:0]    mark_row;
+  logic [PinColumnBits-1:0] mark_column;
+  logic [2:0]               octant;
+  logic [1:0]               phase, right, up, across, climb, stripe;
+  logic [7:0]               cue, cue_next;
+  logic [AlongBits-1:0]     along;
+  logic [DownBits-1:0]      down;
   msn_constant_multiplier #(.Constant(PinColumns), .InBits(16)) u_along (.in_data_i(x), .out_data_o(along));
   msn_constant_multiplier #(.Constant(PinRows), .InBits(16)) u_down (.in_data_i(y), .out_data_o(down));
   assign right    = octant[1:0] == 2'd2 ? 2'd0 : (octant >= 3'd3 && octant <= 3'd5) ? 2'd3 : 2'd1;
   assign up       = octant[1:0] == 2'd0 ? 2'd0 : octant[2] ? 2'd3 : 2'd1;
-  assign stripe   = right * 2'(pin_column) - up * 2'(pin_row) - phase;
+  assign across   = right == '0 ? '0 : right[1] ? -(2'(pin_column)) : 2'(pin_column);  // right * column
+  assign climb    = up == '0 ? '0 : up[1] ? -(2'(pin_row)) : 2'(pin_row);
+  assign stripe   = across - climb - phase;
   assign cue_next = cue + 1'b1;
-  assign marked   = cfg_marker_i && pressed
-                    && (32'(along >> 15) == 32'(pin_column) || (x[15] && final_column))
-                    && (32'(down >> 15) == 32'(pin_row) || (y[15] && pin_row == PinRowBits'(PinRows - 1)));
+  assign marked   = mark && mark_column == pin_column && mark_row == pin_row;
   always_ff @(posedge clk_i) begin
     if (cop_valid_i) begin
       x       <= 16'(cop_x_i) + 16'h4000;
@@ -111,8 +112,11 @@ module msn_render #(
       pressed <= cop_pressed_i;
     end
     if (start) begin
-      slips  <= slip_i && cfg_cue_i != '0;
-      octant <= octant_i;
+      slips       <= slip_i && cfg_cue_i != '0;
+      octant      <= octant_i;
+      mark        <= cfg_marker_i && pressed;
+      mark_column <= x[15] ? PinColumnBits'(PinColumns - 1) : PinColumnBits'(along >> 15);
+      mark_row    <= y[15] ? PinRowBits'(PinRows - 1) : PinRowBits'(down >> 15);
     end
     if (known && final_pin) begin
       cue <= !slips || cue_next >= cfg_cue_i ? '0 : cue_next;

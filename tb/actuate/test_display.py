@@ -52,11 +52,11 @@ class Bench:
             await bench.RisingEdge(self.dut.clk_i)
         self.dut.image_valid_i.value = self.dut.image_last_i.value = 0
 
-    async def host(self, levels, cut=None):
+    async def host(self, levels, cut=None, source=True):
         for each in words(levels)[:cut]:
             for strobe in (1, 0):
                 self.dut.cfg_i.value = word(
-                    host=True, levels_next=each & 0xFFFFFF, levels_last=each >> 24, levels_written=strobe
+                    host=source, levels_next=each & 0xFFFFFF, levels_last=each >> 24, levels_written=strobe
                 )
                 await bench.clocks(self.dut, 1 + 4 * (1 - strobe))
 
@@ -184,8 +184,9 @@ async def a_centre_of_pressure_is_marked_and_a_slip_moves_by_the_register(dut):
 @felt
 @cocotb.test(timeout_time=9, timeout_unit="ms")
 async def a_hosts_words_are_a_frame(dut):
-    """A cut frame is dropped; the sensor's frames do not count, nor its faults."""
-    here = await Bench().start(dut, host=True)
+    """A cut frame is dropped; the sensor's frames do not count, nor its faults, nor words while they did."""
+    here = await Bench().start(dut)
+    await here.host(np.full(GRID, 1), cut=1, source=False)
     await here.host(np.full(GRID, 3))
     await bench.clocks(dut, 2 * PERIOD + SIZE.lead + 400)
     assert here.on.all()
@@ -296,6 +297,13 @@ FINGERS["adc"] |= {"rate_hz": 1000.0}
 FINGERS["slip"] = {"window": 32, "threshold_p2p_v": 0.02, "gross_threshold_p2p_v": 0.1, "contact_rises": True}
 FINGERS["slip"] |= {"contact_level_v": 1.5, "release_level_v": 1.0}
 del FINGERS["array"]
+WIRES = {
+    **{"about": "a", "clock": {"mhz": 24.0}, "sensor": {"kind": "electrodes"}},
+    "adc": {"part": "AD7606", "volts": 10.0, "rate_hz": 2000.0},
+    "mesh": {"rows": 9, "columns": 9, "r_ohm": 47.0, "R0_ohm": 1e4, "V0_v": 5.0, "k_n_ohm": 1e4},
+    "load": {"gain": 1.0, "lsb_n": 1e-3, "min_n": 0.05, "correction": "none"},
+    "link": {"registers": True},
+}
 LIMITS = [  # the build, keys of [display] that are taken, one of them beyond, what the sentence names
     (PAD, {"rows": 1, "columns": 2}, {"columns": 1}, "2 pins"),
     (PAD, {"rows": 63, "columns": 65, "chains": 8, "amplitude_bits": 1}, {"rows": 64, "columns": 64}, "pins"),
@@ -310,6 +318,12 @@ LIMITS = [  # the build, keys of [display] that are taken, one of them beyond, w
     (PAD, {"stop_s": 0.01, "source": "host"}, {"source": "sensor"}, "stop_s = 0.01"),
     (PAD, {"floor_codes": 65519}, {"floor_codes": 65520}, "floor_codes = 65520 must be at most 65519"),
     (FINGERS, {"floor_codes": 4095}, {"floor_codes": 4096}, "floor_codes = 4096 must be at most 4095"),
+    (PAD, {"top": 1}, {"top": 0}, "top"),
+    (WIRES, {"marker": True}, {"marker": False}, "electrodes must have marker = true or cue_frames above 0"),
+    (WIRES, {"source": "host"}, {"source": "sensor"}, "electrodes must have marker = true"),
+    (WIRES, {"marker": True}, {"cue_frames": 1}, "cue_frames = 1 must go with [cop_slip]"),
+    (PAD, {"marker": True}, {"cue_frames": 255}, "cue_frames = 255 must go with [slip]"),
+    (FINGERS, {"cue_frames": 1}, {"marker": True}, "marker = true must go with an array or electrodes"),
     (FINGERS, {"step_codes": 4095}, {"step_codes": 4096}, "step_codes = 4096 must be at most 4095"),
 ]
 
@@ -321,3 +335,16 @@ def test_a_display_that_could_never_show_anything_is_refused(build, taken, beyon
     with pytest.raises(ValueError, match=re.escape(says)) as problem:
         config.read("a", build | {"display": taken | beyond})
     assert "[display]" in str(problem.value)
+
+
+def test_limits_in_clocks():
+    """At 24,001 kHz a tick has 6001 clocks: half of 10 s are 19,997 of them and a part. A pin is on from 1
+    on; 5 s are three whole sevenths of 10 s."""
+    build = FINGERS | {"clock": {"mhz": 24.001}, "display": {"stop_s": 2.0, "most_pins": 7}}
+    build["display"] |= {"burst_s": 0.4, "burst_on_s": 0.1, "top": 3, "octant": 5, "cue_frames": 6}
+    display = config.read("a", build).features["display"]
+    assert 5 * 24_001_000 - 6001 < display.pins.duty * 6001 <= 5 * 24_001_000
+    assert (display.pins.stop, display.pins.watchdog, display.render.floor) == (7999, 3, 1)
+    assert (display.pins.burst_period, display.pins.burst_on, display.pins.top) == (92, 23, 3)
+    assert (display.pins.most, display.octant, display.render.cue) == (7, 5, 6)
+    assert display.pins.increment == round(230 * 2**40 / 24_001_000)

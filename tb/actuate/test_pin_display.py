@@ -4,7 +4,10 @@ stop, damaged and too many frames, settings within a period. The twin against th
 tb/reference/pin_display.py."""
 
 import random
+import re
 from collections import Counter
+from fractions import Fraction
+from itertools import pairwise
 
 import cocotb
 import numpy as np
@@ -13,6 +16,7 @@ from cocotb.triggers import FallingEdge
 from cocotb.utils import get_sim_time
 
 import bench
+from meissner.builds.toolchain import ROOT
 from meissner.twins.actuate.pin_display import (
     DisplaySettings,
     DisplaySize,
@@ -173,6 +177,26 @@ async def every_edge_is_the_twins(dut, duty, watchdog):
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
+async def the_latch_keeps_the_frequency(dut):
+    """The clocks in which LE rises for a period, from the formula of the phase: the mean to 0.001 Hz, none a
+    clock off, none drifts."""
+    size = size_of(dut)
+    hz = Fraction(9977 * size.max_hz + 23 * size.min_hz, 10_000)  # no whole number of clocks
+    increment = increment_of(hz, size.clk_khz)
+    assert abs(Fraction(increment * 1000 * size.clk_khz, WRAP) - hz) < Fraction(1, 1000)
+    here, latched = await Bench().start(dut, DisplaySettings(increment)), []
+    await here.frame([255] * size.pins)
+    while len(latched) < 12:
+        await bench.RisingEdge(dut.hv_le_o)
+        await bench.ReadOnly()
+        if bench.high(dut.wrap_o):
+            latched.append(here.clock)
+    assert {b - a for a, b in pairwise(latched[1:])} <= {WRAP // increment, WRAP // increment + 1}
+    for n, clock in enumerate(latched[1:]):
+        assert abs(clock - latched[1] - Fraction(n * WRAP, increment)) < 1, n
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
 async def all_is_off_from_the_next_clock_on(dut):
     """A fault and no enable in any part of a period; after that a silent period, and the frame again."""
     size, draw = size_of(dut), random.Random(bench.SEED)
@@ -275,6 +299,25 @@ async def a_frame_that_ends_as_the_last_one_is_read_again_waits(dut):
             assert list(here.changes(0)[-1][1]) == [int(level > 0) for level in shown], place
 
 
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_frame_that_ends_about_a_wrap_counts_as_one(dut):
+    """In any clock: all stays on until ``stop``, one and a half periods, after the wrap that takes it."""
+    size = size_of(dut)
+    period = -(-WRAP // size.limits[0])
+    stop = 3 * period // (2 * size.tick_clocks)
+    here = await Bench().start(dut, DisplaySettings(increment=size.limits[0], stop=stop))
+    frame = [255] * size.pins
+    await here.frame(frame)
+    begun = await here.wrap() - size.lead
+    for late in range(-3, 4):
+        await bench.clocks(dut, begun + period + late - size.pins - here.clock)
+        await here.frame(frame)
+        await bench.clocks(dut, begun + 2 * period - 2 * size.pins - here.clock)
+        assert bench.high(dut.running_o) and bench.high(dut.hv_bl_o), late
+        await here.frame(frame)  # for the next wrap
+        begun = await here.wrap() - size.lead
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset(dut):
     await bench.inputs_in_reset(
@@ -338,6 +381,50 @@ def test_refuses_what_cannot_be_shifted_in_time():
             DisplaySettings(**wrong)
 
 
+PAGE = [  # of docs/pin_display.md: pins, chains, MHz, us of a load and of Lead, most bits, us of their slot
+    (100, 1, 25, 23, 29, 5, 39),
+    (35, 1, 12, 12, 19, 5, 39),
+    (1000, 1, 48, 144, 166, 2, 312),
+    (1000, 4, 48, 36, 58, 4, 78),
+]
+
+
+@pytest.mark.parametrize("pins, chains, mhz, load, lead, bits, slot", PAGE)
+def test_the_pages_table_of_loads(pins, chains, mhz, load, lead, bits, slot):
+    """A clock's half by 8 MHz, 8 bits and a pause a word; a slot of 400 Hz and 2^(bits + 1) must have 8
+    clocks more."""
+    whole, half = -(-pins // chains // 64) * 64, -(-mhz // 16)
+    clocks = whole // 8 * 9 * 2 * half
+    assert [round(clocks / mhz), round((pins + clocks + 48) / mhz)] == [load, lead]
+    assert int(mhz * 1e6 / 400 / 2 ** (bits + 1) / mhz) == slot
+    size = DisplaySize(pins, chains, bits, 1000 * mhz)
+    assert (size.load, size.lead) == (clocks, pins + clocks + 48)
+    with pytest.raises(ValueError, match=f"amplitude_bits = {bits + 1}"):
+        DisplaySize(pins, chains, bits + 1, 1000 * mhz)
+    row = (
+        rf"\| {pins:,}[^|]*, {chains} \| {mhz} MHz[^|]*\| {load} µs \| {lead} µs \| {bits} \([^|]*{slot} µs\)"
+    )
+    assert re.search(row, (ROOT / "docs/pin_display.md").read_text("utf-8"))
+
+
+def test_when_a_pin_that_is_held_is_off():
+    """The page: three sevenths of 5715 ticks, up to one more; at 230 Hz 17.4 ticks a period are charged 18.4,
+    so that 20,000 hold 1087 periods."""
+    size = DisplaySize(pins=2)
+    for duty, watchdog, start, least, most in (
+        (65535, 3, 1, 5.71, 5.72),
+        (65535, 3, 35_700_000, 4.28, 4.29),
+        (20_000, 3, 1, 4.72, 4.73),
+        (12_000, 15, 1, 2.83, 2.84),
+    ):
+        settings = DisplaySettings(increment_of(230, 25_000), duty=duty, watchdog=watchdog)
+        twin = PinDisplay(size, settings)
+        twin.on_again(start)
+        periods = [twin.next([1, 0])] + [twin.next() for _ in range(1400)]
+        on = [period.start for period in periods if period.levels.any()]
+        assert least < (on[-1] - on[0]) / 25e6 + 1 / 230 < most
+
+
 def test_widths_of_pulses_by_hand():
     """One bit: half of the period, or nothing. Two bits: 2, 3 and 4 of 8 slots."""
     assert high([0, 1], 1).tolist() == [[False] * 4, [True, True, False, False]]
@@ -348,7 +435,7 @@ def test_twin_at_a_frequency_of_0_and_with_a_wrong_frame():
     """Periods of 1000 clocks, 25 ticks; a pause charges the period before it, and a silent one follows. The
     first period, the silent one, has one clock more, as its first has no increment."""
     size, frame = SIZES[0], [1] * 35
-    twin = PinDisplay(size, DisplaySettings(increment=size.limits[1], duty=3 * 26 + 27))
+    twin = PinDisplay(size, DisplaySettings(increment=size.limits[1], duty=3 * 26 + 28))
     twin.on_again(39)
     found = [twin.next(frame), twin.next(), twin.next()]
     assert [p.silent for p in found] == [True, False, False] and [p.clocks for p in found] == [
@@ -359,7 +446,7 @@ def test_twin_at_a_frequency_of_0_and_with_a_wrong_frame():
     assert twin.next(settings=DisplaySettings(increment=size.limits[0] - 1)) is None and not twin.levels.any()
     assert twin.next(settings=DisplaySettings()) is None  # off as before
     twin.on_again(9999)
-    again = DisplaySettings(increment=size.limits[1], duty=3 * 26 + 27)
+    again = DisplaySettings(increment=size.limits[1], duty=3 * 26 + 28)
     found = [twin.next(settings=again), *(twin.next() for _ in range(3))]
     assert [p.silent for p in found] == [True, False, False, False]
     assert [p.levels.all() for p in found] == [False, True, True, False]  # no room after four of 26 ticks

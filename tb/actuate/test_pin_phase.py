@@ -253,9 +253,12 @@ def test_refuses_illegal_parameters():
         {"Ticks": 5716},
         {"TickClocks": 15_626},
         {"MaxHz": 48_829},
+        {"MaxHz": 1000, "ClkKhz": 512},  # an increment of 32 bits
     ):
-        ((name, number),) = wrong.items()
+        name, number = next(iter(wrong.items()))
         assert f"{name} = {number} must" in bench.refuses("pin_phase", wrong)
+    with pytest.raises(ValueError, match="max_hz = 1000 must"):
+        DisplaySize(pins=2, clk_khz=512, max_hz=1000)
 
 
 @pytest.mark.parametrize("clk_khz", [12_000, 25_000, 48_000, 100_000])

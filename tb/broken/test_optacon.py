@@ -69,6 +69,9 @@ def test_as_it_is(sound):
     assert letter["7 x 5, SA-II"] == letter["7 x 5, FA-II"] == [0, 0, 0]
     assert touch["pins_wrong"] == 0 and touch["cue_error_deg"] == 0 and touch["pins_felt"] > 3
     assert touch["pin_delay_ms"] < 2 + 1000 / 230 and touch["image_correlation"] > 0.9
+    # A whole number of drive periods, then 436 clocks of 4 MHz until the latch: 100 pins, 128 bits, 48.
+    periods = (touch["slip_ms"] + touch["pin_delay_ms"] - 0.109) * 0.23
+    assert abs(periods - round(periods)) < 1e-3
     assert all(one["frequency_error_hz"] < 1e-3 for one in sound.values())
 
 
@@ -149,7 +152,7 @@ def test_summation_as_on_the_thenar(monkeypatch, sound):
 
 
 @pytest.mark.parametrize(
-    "name, db, number", [("SA-I", 4, 1), ("FA-I", 14, 1), ("SA-II", -6, 2), ("FA-II", 5, 3)]
+    "name, db, number", [("SA-I", 4, 1), ("FA-I", 14, 1), ("SA-II", -6, 2), ("FA-II", 5, 3), ("FA-II", -5, 4)]
 )
 def test_a_threshold_that_is_off(monkeypatch, sound, name, db, number):
     one = receptors.CHANNELS[name]

@@ -371,7 +371,8 @@ def test_view_of_pins():
     from rich.console import Console
 
     state = {"size.rows": 2, "size.columns": 3, "size.bits": 2, "source": 0, "floor": 50, "step": 100}
-    state["state"] = 1 | 1 << 2 | 5 << 8  # running, limited, five pins
+    state |= {"top": 255, "most": 4095}
+    state["state"], state["size"] = 1 | 1 << 2 | 5 << 8, 2 | 3 << 8 | 2 << 16  # running, limited, five pins
     state["increment"] = round(230 * 2**40 / 25e6)  # of a drive of 230 Hz
 
     class Core(SimpleNamespace):
@@ -380,12 +381,17 @@ def test_view_of_pins():
 
         def __setitem__(self, name, value):
             written.append((name, value))
+            if value >> 24 and resent:
+                if resent.pop() is None:
+                    raise OSError("gone")
+                self.counts.retries += 1
+                written.append((name, value))
 
-    written = []
+    written, resent = [], []
     counts = SimpleNamespace(restarts=0, packets=0, lost=0, damaged=0, images_lost=0, gaps=0, gap_s=0.0)
     counts.retries = 0
     core = Core(counts=counts, retries=3, registers=True, features=["display"], line=None, ended=False)
-    core.units = SimpleNamespace(clk_khz=25_000, rows=2)
+    core._frame_ended, core.units = False, SimpleNamespace(clk_khz=25_000, rows=2)
     shown = view.View(core)
     assert "; 5 pins on, 230 Hz, limited; " in shown.line()
     taxels = np.array([[49, 50, 149], [150, 250, 9999]], np.uint16)  # levels 0 1 1, 2 3 3
@@ -394,10 +400,30 @@ def test_view_of_pins():
     console = Console(width=100, record=True, file=open(os.devnull, "w"))  # noqa: SIM115
     console.print(shown.picture())
     assert "display, 5 pins on, 230 Hz, limited" in console.export_text()
+    for at, more, picture in (
+        (1e9, {"top": 2, "most": 4}, ["  ▒▒▒▒", "████  "]),  # 0 1 1, 2 2 and no more
+        (2e9, {"state": 0}, ["      "] * 2),
+    ):
+        state |= more
+        shown.tick(at)
+        assert shown.pins.picture(shown.image) == picture
+    words = [("display.levels", 0xFF0201), ("display.levels", 0x1_050400)]
+    with pytest.raises(ValueError, match=r"display\.source = 0"):
+        host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
     state |= {"state": 2, "source": 1}
-    shown.tick(1e9)
+    shown.tick(3e9)
+    for _ in range(2):  # the first one twice: the end of what another host may have sent a part of
+        host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
+    assert written == 3 * words
+    resent.append(1)
     host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
-    assert written == [("display.levels", 0xFF0201), ("display.levels", 0x1_050400)]
+    assert written == 3 * words + words[:1] + 2 * words[1:] + words  # a word twice: the whole again
+    resent.append(None)
+    with pytest.raises(OSError, match="gone"):
+        host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
+    del written[:]
+    host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
+    assert written == 2 * words
     for wrong, what in (
         ([[1, 2], [3, 4]], "fit the display: it has 2 x 3"),
         ([[0, 0, 256]] * 2, "level = 256"),

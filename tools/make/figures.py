@@ -1,11 +1,12 @@
 """Measure the figures of a version, and write docs/results.md and the pages of results.
 
     make figures                                 everything, for hours; goes on where it ended
-    make figures FIGURES="acrylic_slip boards"   print these rows, or write these pages
+    make figures FIGURES=results                 docs/results.md alone: half an hour
+    make figures FIGURES="acrylic_slip optacon"  print these rows, or write these pages
     make figures FIGURES=--list                  list both
 
-docs/results.md is written when every row is measured on this commit (build/figures keeps them). A page of
-``PAGES`` is written as soon as it is measured. Each page is headed by version, commit and date.
+docs/results.md is written when every row is measured on this commit (build/figures keeps them), another page
+as soon as it is measured. Each page is headed by version, commit and date.
 """
 
 import argparse
@@ -26,6 +27,7 @@ from version import commit, heading
 sys.path.insert(0, str(ROOT / "tools"))  # the rooms beside this one
 KEPT = ROOT / "build/figures"
 BEATS = 1024 * 1024 / 8  # of a frame of 1024×1024 taxels on 8 lanes
+RESULTS = "results"  # docs/results.md, which all rows and sections make
 
 
 def at_most(found):
@@ -421,20 +423,25 @@ def main():
     if options.list:
         print(*(f"{name:20} {row.what}" for name, row in ROWS.items()), sep="\n")
         print(*(f"{name:20} {section.what}" for name, section in SECTIONS.items()), sep="\n")
-        print(*(f"{name:20} a page" for name in others), sep="\n")
+        print(*(f"{name:20} a page" for name in (RESULTS, *others)), sep="\n")
         return
-    if strange := [name for name in options.names if name not in ROWS | SECTIONS | others]:
+    known = {RESULTS, *ROWS, *SECTIONS, *others}
+    if strange := [name for name in options.names if name not in known]:
         parser.error(f"no figure {strange[0]}; --list lists them")
     KEPT.mkdir(parents=True, exist_ok=True)
     path = KEPT / f"{commit()}.json"
-    known = path.exists() and "with changes" not in path.name
-    found = json.loads(path.read_text("utf-8")) if known else {}
-    for name in options.names or [name for name in [*ROWS, *SECTIONS, *others] if name not in found]:
+    kept = path.exists() and "with changes" not in path.name
+    found = json.loads(path.read_text("utf-8")) if kept else {}
+    names = options.names or [RESULTS, *(name for name in others if name not in found)]
+    if RESULTS in names:
+        names = [*(name for name in [*ROWS, *SECTIONS] if name not in found), *names]
+    for name in names:
+        if name == RESULTS:
+            (ROOT / "docs/results.md").write_text(results(found), "utf-8")
+            continue
         found[name] = others[name]() if name in others else (ROWS | SECTIONS)[name].measure()
         path.write_text(json.dumps(found, ensure_ascii=False, indent=1), "utf-8")
         print(f"{name}: {found[name]}", flush=True)
-    if not options.names:
-        (ROOT / "docs/results.md").write_text(results(found), "utf-8")
 
 
 if __name__ == "__main__":

@@ -10,11 +10,14 @@ from meissner.files import written
 
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
 
+SOURCES = (".", ":!docs", ":!constraints/*.json")  # what figures are measured on
+
 
 def commit():
-    """The commit that is checked out; "with changes" if tracked files outside docs/ differ from it."""
+    """The commit that is checked out; "with changes" if tracked files other than docs/ and recorded figures
+    differ from it."""
     git = lambda *told: subprocess.run(["git", *told], cwd=ROOT, capture_output=True, text=True, check=True)
-    changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs").stdout
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", *SOURCES).stdout
     return git("rev-parse", "--short=8", "HEAD").stdout.strip() + " with changes" * bool(changed)
 
 

@@ -67,11 +67,9 @@ def straight(shape):
 def others(scene, engine):
     """Functions that run the features which the scene does not use, on its samples."""
     missing = set(FEATURES[scene.sensor]) - set(scene.features)
-    found = (
-        scenes.simulate(scene, seed=1)
-        if scene.sensor not in ("rubber", "shear")
-        else scenes.simulate(scene, 0, 1)
-    )
+    if not missing:
+        return
+    found = scenes.simulate(scene, seed=1)
     if "shear_speed" in missing:
         config = ShearConfig(ShearSettings.of(1.0 / scene.adc.lsb_v, scene.rate_hz))
         yield lambda: function(engine, "shear_speed")(found.codes[None], config, found.moving)

@@ -354,7 +354,7 @@ amplitude_bits = {bits}        # of a pin's level
 drive_hz = 230.0
 {shows}most_pins = {min(4095, max(1, rows * columns * 3 // 5))}            # at once
 duty = 0.5                # share of any 10 s in which a pin is driven
-left_on_s = 5.0           # a pin that is on for longer is switched off
+left_on_s = 5.0           # a pin that stays on is switched off after 4.3 to 5.7 s
 stop_s = 0.5              # all is off after this time without a frame
 """
 

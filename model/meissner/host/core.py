@@ -98,6 +98,7 @@ class Core:
         self._reason, self._try_at, self._wait_s = "", 0.0, FIRST_WAIT_S
         self._ended = False
         self._loaded: dict[str, Callable[[], object]] = {}  # tables, and what loads each again
+        self._frame_ended = False  # of a display: a host before may have stopped in the middle of one
         if registers:
             try:
                 self.identify()
@@ -205,19 +206,25 @@ class Core:
         Raises
         ------
         ValueError
-            If the display has another size, or a level is out of range or no whole number.
+            If the display has another size or shows the sensor's frames, or a level is out of range or no
+            whole number.
         """
-        found = np.asarray(levels)
-        size = tuple(self[f"display.size.{side}"] for side in ("rows", "columns"))
+        found, word = np.asarray(levels), self["display.size"]
+        size = tuple(names.place(f"display.size.{side}").value(word) for side in ("rows", "columns"))
         if found.shape != size:
             raise ValueError(
                 f"a frame of {found.shape} does not fit the display: it has {size[0]} x {size[1]} pins"
             )
-        for _ in range(1 + self.retries):  # a word that was sent twice makes a frame too long: it is dropped
-            sent = self.counts.retries
-            for word in display.words(found):
+        words = display.words(found)
+        if not self["display.source"]:
+            raise ValueError("display.source = 0: the pins show the sensor's frames, and a host's with 1")
+        # What was sent of another frame, or a word sent twice, makes this one too long: it is dropped.
+        for _ in range(2 + self.retries):
+            sent, ended, self._frame_ended = self.counts.retries, self._frame_ended, False
+            for word in words:
                 self["display.levels"] = word
-            if self.counts.retries == sent:
+            self._frame_ended = True
+            if ended and self.counts.retries == sent:
                 break
 
     def __getitem__(self, name: str) -> int:

@@ -65,7 +65,8 @@ class Pins:
         core = self.core
         state, names = core["display.state"], ("running", "fault", "limited", "pins")
         running, fault, limited, pins = (place(f"display.state.{name}").value(state) for name in names)
-        self.host = bool(core["display.source"])
+        self.host, self.running = bool(core["display.source"]), bool(running)
+        self.top, self.most = core["display.top"], core["display.most"]
         self.render = Render(
             None, self.grid, self.bits, RenderSettings(core["display.floor"], core["display.step"])
         )
@@ -75,11 +76,15 @@ class Pins:
         self.told += ", a fault of the sensor" * fault + ", limited" * limited
 
     def levels(self, image: packets.Image | None) -> NDArray[Any] | None:
-        """The pins for an image of the core, as it makes them; of a host's frames and slips it has none."""
+        """The pins for an image of the core, as it makes them, while it drives pins, within ``top`` and
+        ``most``; of a host's frames and slips it has none."""
         if image is None or self.host:
             return None
         self.render.shape = image.taxels.shape
-        return np.asarray(self.render.next(image.taxels))
+        levels = self.render.next(image.taxels)
+        on = (levels > 0) & self.running
+        on &= np.cumsum(on).reshape(on.shape) <= self.most
+        return np.where(on, np.minimum(levels, self.top), 0)
 
     def picture(self, image: packets.Image | None) -> list[str]:
         levels = self.levels(image)

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 PARAMETERS = {"Display": 1}
 TAKES = "computing a frame"
-TICKS = 4000  # of a second
 Side = Annotated[int, Meta(ge=1, le=128)]
 Share = Annotated[float, Meta(ge=0, le=1)]
 
@@ -30,7 +29,7 @@ class Keys(Table, frozen=True):
     drive_hz: Annotated[float, Meta(ge=1, le=400)] = 230.0
     burst_s: NotNegative = 0.0
     burst_on_s: NotNegative = 0.0
-    top: Annotated[int, Meta(ge=0, le=63)] = 63
+    top: Annotated[int, Meta(ge=1, le=63)] = 63
     most_pins: Annotated[int, Meta(ge=1, le=4095)] | None = None
     duty: Share = 0.5
     left_on_s: Annotated[float, Meta(ge=1.43, le=21.4)] = 5.0
@@ -81,6 +80,19 @@ def check(base: "Config") -> None:
             f"[display]: stop_s = {stop_s:g} must be above {least:.3g}, the time from frame to frame at "
             f"rate_hz = {base.rate_hz:g}, or all is off between them"
         )
+    render, slips = display.render, base.slip or base.cop_slip
+    if render.cue and not slips:
+        table = "[cop_slip]" if base.kind == "electrodes" else "[slip]"
+        raise ValueError(f"[display]: cue_frames = {render.cue} must go with {table}, which finds a slip")
+    if render.marker and base.kind == "channels":
+        raise ValueError(
+            "[display]: marker = true must go with an array or electrodes: it shows their centre"
+        )
+    if base.kind == "electrodes" and not (display.host or render.marker or render.cue):
+        raise ValueError(
+            "[display]: electrodes must have marker = true or cue_frames above 0: without an image no pin is "
+            "ever on"
+        )
     if display.host and not base.link.registers:
         raise ValueError("[display]: source = 'host' must go with registers = true")
 
@@ -115,25 +127,28 @@ def config(keys: Keys, base: "Config") -> DisplayConfig:
                 f"{key} = {getattr(keys, key):g} must lie in {1 / keys.drive_hz:.3g} .. "
                 f"{4095 / keys.drive_hz:.4g}, drive periods"
             )
+    ticks = exact(1000 * base.clk_khz) / size.tick_clocks  # of a second: 4000 or a little less
     settings = DisplaySettings(
         increment=increment_of(exact(keys.drive_hz), base.clk_khz),
         burst_period=periods[0],
         burst_on=periods[1],
         top=min(keys.top, (1 << keys.amplitude_bits) - 1),
         most=pins if keys.most_pins is None else keys.most_pins,
-        duty=65535 if keys.duty == 1 else int(exact(keys.duty) * 10 * TICKS),
+        duty=65535 if keys.duty == 1 else int(exact(keys.duty) * 10 * ticks),
         watchdog=int(exact(keys.left_on_s) * 7 / 10),
-        stop=max(1, round(exact(keys.stop_s) * TICKS)),
+        stop=max(1, round(exact(keys.stop_s) * ticks)),
     )
     if exact(keys.stop_s) * exact(keys.drive_hz) <= 2:
         raise ValueError(
             f"stop_s = {keys.stop_s:g} must be above {2 / keys.drive_hz:.3g}, two drive periods: a frame is "
             "shown in the period after the one that takes it"
         )
-    least = ceil(TICKS / exact(keys.drive_hz)) + 2  # of a drive period, as msn_pin_limits asks for it
+    least = ceil(ticks / exact(keys.drive_hz)) + 2  # of a drive period, as msn_pin_limits asks for it
     if settings.duty < least:
-        raise ValueError(f"duty = {keys.duty:g} must be at least {least / (10 * TICKS):g}, a drive period")
-    floor = _codes(keys, "floor", base, 1 if base.array else 0)
+        raise ValueError(
+            f"duty = {keys.duty:g} must be at least {float(least / (10 * ticks)):g}, a drive period"
+        )
+    floor = _codes(keys, "floor", base, 1)
     render = RenderSettings(floor, _codes(keys, "step", base, 0), int(keys.marker), keys.cue_frames)
     grid = keys.rows, keys.columns
     return DisplayConfig(grid, size, settings, render, keys.octant, keys.health, keys.source == "host")

@@ -12,7 +12,7 @@ from meissner.scenes.capacitive.judge import calibrations
 from meissner.scenes.optacon import pictures
 from meissner.scenes.optacon.felt import feel, frequency
 from meissner.tables import naming
-from meissner.twins.actuate.render import APART, OCTANTS, RenderSettings, averages
+from meissner.twins.actuate.render import APART, OCTANTS, Render, RenderSettings, averages
 
 
 def render_settings(scene, newtons_per_code):
@@ -52,11 +52,15 @@ def _grip(scene, core, recording):
     return Felt(None, *parts, cop), decisions
 
 
-def _shown(scene, core, levels):
-    """(what the display shows of frames of levels that come every frame_ms, frame of each of its periods)."""
+def _shown(scene, core, levels, shape):
+    """(what the display shows of frames of levels that come every frame_ms, frame of each of its periods).
+
+    ``shape``: of the images. A frame is complete at its end and takes the core's longest time to compute.
+    """
     size, hz = scene.sizes[0], scene.world["hz"]
     start_s = np.arange(int(len(levels) * scene.world["frame_ms"] / 1000 * hz) + 1) / hz
-    of = np.floor(start_s * 1000 / scene.world["frame_ms"] + 1e-9).astype(int) - 1  # complete at its end
+    ready_s = Render(shape, scene.grids[0], size.amplitude_bits).clocks / (1000 * size.clk_khz)
+    of = np.floor((start_s - ready_s) * 1000 / scene.world["frame_ms"] + 1e-9).astype(int) - 1
     frames = np.where((of >= 0)[:, None], levels.reshape(len(levels), -1)[np.maximum(of, 0)], 0)
     return core.pin_display(frames, size, scene.settings()), of
 
@@ -88,7 +92,7 @@ def judge(scene, core, recording):
     image, newtons, true_n = _pad(scene, core, recording)
     of_image, of_slip = render_settings(scene, newtons)
     shape = core.render(image, grid, size.amplitude_bits, of_image)
-    shown, _ = _shown(scene, core, shape)
+    shown, _ = _shown(scene, core, shape, true_n.shape)
     feels, _ = feel(scene, shown, size)
     truth = averages(np.rint(true_n / newtons), *grid) / true_n.size
     under, lit = truth >= of_image.floor, shown.levels[-1].reshape(grid) > 0
@@ -96,7 +100,7 @@ def judge(scene, core, recording):
 
     wires, decisions = _grip(scene, core, recording)
     cue = core.render(wires, grid, size.amplitude_bits, of_slip)
-    slid, of = _shown(scene, core, cue)
+    slid, of = _shown(scene, core, cue, None)
     slip_feels, _ = feel(scene, slid, size)
     held = recording.felt[1]
     flag = np.flatnonzero(decisions.raised)
@@ -105,7 +109,7 @@ def judge(scene, core, recording):
     octant = moves(patterns) if len(patterns) else None
     way_deg = None if octant is None else 45 * octant if octant <= 4 else 45 * octant - 360
     true_deg = held.condition.direction_deg
-    start = slid.start[np.flatnonzero(stripes)[:1]] / (1000 * size.clk_khz)
+    start = (slid.start[np.flatnonzero(stripes)[:1]] + size.lead) / (1000 * size.clk_khz)  # at the pins
     flag_s = flag[0] / held.scene.rate_hz if len(flag) else None
     late = 1e3 * float(start[0] - flag_s) if len(start) and flag_s is not None else None
     summary = {

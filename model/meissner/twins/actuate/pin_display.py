@@ -47,7 +47,7 @@ class DisplaySize:
     def __post_init__(self):
         fits(self, pins=(2, 4095), chains=(1, 8), amplitude_bits=(1, 6), min_hz=(1, self.max_hz))
         fits(self, ticks=(2, 5715), clk_khz=(1, None), sclk_khz=(1, None))
-        within(max_hz=(self.max_hz, 1, 1000 * self.clk_khz // 512))
+        within(max_hz=(self.max_hz, 1, 1000 * self.clk_khz // 513))
         if (self.chains - 1) * self.chain_pins >= self.pins:
             each = f"{self.chain_pins} of {self.pins} pins each"
             raise ValueError(f"chains = {self.chains} must all have pins, but the first have {each}")

@@ -4,7 +4,7 @@ pin levels (docs/pin_display.md).
 average of a pin   = sum of (overlap of taxel and pin) x / (rows columns)    areas, divided evenly
 level              = 0 if the average is below `floor`, else 1 + floor((average - floor) / step), at most
                      the highest; step = 0: the highest
-marker             the pin under the centre of pressure has the highest level
+marker             the pin under the newest centre of pressure as the frame begins has the highest level
 slip               in place of all this stripes, one pin wide, every fourth pin, that move where it slips
 """
 
