@@ -57,6 +57,30 @@ async def holds_its_depth_and_two(dut, every):
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
+async def half_counts_the_words_of_the_memory(dut):
+    """Around half, clock by clock: the memory's words pass through two registers, and each takes the next one
+    as soon as its own leaves."""
+    depth, draw = dut.Depth.value.to_unsigned(), random.Random(bench.SEED)
+    await bench.start(dut, in_data_i=0)
+    stored, first, last, seen = 0, False, False, set()
+    for _ in range(1200 + 2 * depth):
+        off = stored - depth // 2
+        valid = draw.random() < (0.95 if off < -2 else 0.2 if off > 2 else 0.6)
+        ready = draw.random() < 0.6
+        dut.in_valid_i.value, dut.out_ready_i.value = int(valid), int(ready)
+        await bench.ReadOnly()
+        found = tuple(bench.read(port) for port in (dut.half_o, dut.in_ready_o, dut.out_valid_o))
+        assert found == (stored >= depth // 2, stored < depth, last)
+        put, free = valid and stored < depth, ready or not last
+        get = stored > 0 and (free or not first)
+        seen.add((off, put, get))
+        last, first = (first, get) if free else (last, get or first)
+        stored += put - get
+        await bench.RisingEdge(dut.clk_i)
+    assert len({(off, put, get) for off, put, get in seen if off in (-1, 0)}) == (6 if depth == 2 else 8)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
 async def clocks_are_as_stated_and_reset_empties(dut):
     await bench.start(dut, out_ready_i=1, in_data_i=1)
     for fill in range(8):
