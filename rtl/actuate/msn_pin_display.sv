@@ -72,6 +72,7 @@ module msn_pin_display #(
   // Levels above the highest are held to it as they come.
   localparam logic [AmplitudeBits-1:0] Top = '1;
   logic                     frame_valid, frame_begun, frame_done;
+  logic                     step;  // a frame that ends in its clock waits: the phase would not see it
   logic [AmplitudeBits-1:0] top, in_level;
   assign top      = |cfg_top_i[7:AmplitudeBits] ? Top : AmplitudeBits'(cfg_top_i);
   assign in_level = |in_data_i[7:AmplitudeBits] ? Top : AmplitudeBits'(in_data_i);
@@ -82,11 +83,11 @@ module msn_pin_display #(
   assign dropped_o = dropped[15:0];
   msn_image_store #(.Taxels(Pins)) u_frames (
     .clk_i, .rst_i, .in_valid_i, .in_data_i(16'(in_level)), .in_last_i, .in_time_i('0),
-    .read_valid_o(frame_valid), .read_time_o(unused_time), .read_begun_i(frame_begun),
+    .read_valid_o(frame_valid), .read_time_o(unused_time), .read_begun_i(frame_begun || step),
     .read_done_i(frame_done), .read_address_i(frame_place), .read_data_o(frame_level), .dropped_o(dropped)
   );
 
-  logic                off, begins, step, silent, burst, turn, limits_busy, limits_idle, shift_busy;
+  logic                off, begins, silent, burst, turn, limits_busy, limits_idle, shift_busy;
   logic [SlotBits-1:0] slot;
   logic [12:0]         length;
   msn_pin_phase #(

@@ -79,7 +79,7 @@ module msn_pin_limits #(
   assign busy_o        = reading || valid != '0 || closing;
   assign idle_o        = !busy_o && !due;
   assign frame_place_o = place;
-  assign frame_begun_o = begin_i || reading || valid[1:0] != '0;  // a frame that ends with begin_i waits
+  assign frame_begun_o = reading || valid[1:0] != '0;
   always_ff @(posedge clk_i) begin
     due     <= turn_i || (due && !go);
     closing <= off_i || (closing && !go);

@@ -235,6 +235,7 @@ async def all_is_off_when_frames_stop(dut):
     here = await Bench().start(dut, settings)
     await here.frame([255] * size.pins)
     taken = await here.wrap() - size.lead
+    await here.frame([255] * (size.pins - 1))  # a damaged one does not count
     await FallingEdge(dut.hv_bl_o)
     off = here.clock - 1
     ticks = lambda clock: (clock + 1) // size.tick_clocks
@@ -246,6 +247,15 @@ async def all_is_off_when_frames_stop(dut):
     await here.wrap()
     await bench.clocks(dut, 2)
     assert sum(here.changes(0)[-1][1]) == size.pins
+    dut.cfg_enable_i.value = 0  # a frame that comes meanwhile waits, however long
+    await here.frame([255] * size.pins)
+    await bench.clocks(dut, 301 * size.tick_clocks)
+    assert not bench.high(dut.hv_bl_o)
+    dut.cfg_enable_i.value, begun = 1, here.clock
+    await here.wrap()
+    await here.wrap()
+    await bench.clocks(dut, 2)
+    assert sum(here.changes(begun)[-1][1]) == size.pins
     dut.cfg_stop_i.value, begun = 65535, await here.wrap()
     await bench.clocks(dut, 2 * size.slot_clocks)
     dut.cfg_increment_i.value = size.limits[0] - 1  # frequency 0: off at the wrap, not before

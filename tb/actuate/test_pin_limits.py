@@ -50,8 +50,7 @@ class Driven:
         await self.clock(begin_i=1, **pulses)
         self.dut.length_i.value = 4000  # valid in the clock of the beginning
         await self.run()
-        # From the beginning on, until the last level has come.
-        assert self.done == 1 and self.begun == len(self.frame) + 3
+        assert self.done == 1 and self.begun == len(self.frame) + 2  # until the last level has come
         return self.levels
 
 

@@ -115,6 +115,24 @@ def test_area_flips_the_third_and_the_fourth():
     assert judged(tip_cm2=0.999 * area)[4] and not judged(tip_cm2=1.001 * area)[4]
 
 
+@pytest.mark.parametrize(
+    "number, hz, volts, db, holds",
+    [
+        (1, (20,), (30, 50), [[26.9], [40]], False),  # SA-I's threshold at 20 Hz is 27 dB
+        (1, (20,), (30, 50), [[27.1], [40]], True),
+        (1, (20,), (29.9, 30), [[0], [28]], True),
+        (1, (20, 21), (30,), [[28, 0]], True),
+        (1, (19.9, 20), (30,), [[28, 26.9]], False),
+        (3, (119, 120), (10,), [[-99, -9.2]], True),  # FA-II's plotted curve at 120 Hz: -9.3 dB
+        (3, (120, 121), (10, 50), [[-9.4, 0], [0, 0]], False),
+        (2, (250,), (10, 50), [[0], [10.1]], False),  # SA-II's at 250 Hz: 10 dB
+        (2, (250,), (10, 50), [[0], [9.9]], True),
+    ],
+)
+def test_which_drives_a_conclusion_is_about(number, hz, volts, db, holds):
+    assert conclusions(hz, volts, db)[number] is holds
+
+
 def test_no_curve_of_0_008_can_be_the_one_that_is_exceeded():
     """A curve with P's shape below 10 V at 120 Hz is, 10.58 dB up, below 50 V at 230 Hz: FA-II would
     respond."""

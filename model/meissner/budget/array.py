@@ -184,7 +184,8 @@ def of_config(config):
     """The budget of a build of an array: meissner.builds.build.Config."""
     adc, clock_hz = config.adc, 1e3 * config.clk_khz
     limits, zeros = Limits() if config.health else None, {} if config.tare else None
-    array = Array(config.scan, limits, zeros, row_column=config.array.gains == "row_column")
+    gains = {"row_column": config.array.gains == "row_column", "bits_per_clock": config.cop_bits}
+    array = Array(config.scan, limits, zeros, **gains)
     found = measured(array, config.settling, config.settle_clocks, clock_hz, adc.converters, adc.channels)
     names = "settle_us channels sclk_khz settle_share volts source_ohm"
     given = {name: getattr(adc, name) for name in names.split()}

@@ -42,7 +42,7 @@ from meissner.twins.slip.slip_path import check_serial
 class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: tables of its file.
 
-    ``slip``: its settings in codes; ``serial``: the slip path with two bits per clock; ``cop_slip``: (lag,
+    ``cop_bits``: bits of a quotient in a clock; ``slip``: its settings in codes; ``serial``: the slip path with two bits per clock; ``cop_slip``: (lag,
     registers); each None (or False) if the build has none; ``features``: {name: settings} of
     meissner.builds.features. ``clk_khz``, ``rate_hz``: the clock, and frames per second.
     """
@@ -60,6 +60,7 @@ class Config:
     health: Health | None = None
     tare: Tare | None = None
     min_load_n: float = 0.0
+    cop_bits: int = 2
     cop4: Cop4Config | None = None
     cop_slip: tuple[int, CopSlipRegisters] | None = None
     features: dict[str, Any] = field(default_factory=dict)
@@ -302,7 +303,7 @@ class Config:
             found |= {"AdcChannels": adc.channels, "Health": int(array.health)}
             found |= {"Tare": int(array.tare), "RowColumn": int(array.gains == "row_column")}
             found |= {"GainShift": 24 if array.gains == "row_column" else 12}
-            found |= {"Image": int(link.images)}
+            found |= {"Image": int(link.images)} | ({"BitsPerClock": 1} if self.cop_bits == 1 else {})
         else:
             found |= {"Channels": self.channels}
         found |= {"Slip": int(slip is not None)}

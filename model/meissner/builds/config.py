@@ -141,6 +141,7 @@ def _read(name: str, file: Any, fastest: bool, least_period: int = 1) -> Config:
         base = replace(
             base,
             min_load_n=file.cop.min_load_n,
+            cop_bits=file.cop.bits_per_clock,
             health=_filled(file.health or keys.Health(), _health(limits, base.rate_hz))
             if array.health
             else None,

@@ -147,6 +147,12 @@ class File(Table, frozen=True):
         return f"unknown table [{shown(key)[1:-1]}]; the tables are: {', '.join(known)}"
 
 
+class ArrayCop(Cop, frozen=True):
+    """[cop] of a build; ``bits_per_clock``: how many bits of a quotient the dividers find in a clock."""
+
+    bits_per_clock: Annotated[int, Meta(ge=1, le=2)] = 2
+
+
 class ArrayFile(File, frozen=True, kw_only=True):
     """A build of an array."""
 
@@ -155,7 +161,7 @@ class ArrayFile(File, frozen=True, kw_only=True):
     array: Array = Array()
     health: Health | None = None
     tare: Tare | None = None
-    cop: Cop = Cop()
+    cop: ArrayCop = ArrayCop()
     slip: SlipNewtons | None = None
 
     def __post_init__(self) -> None:
