@@ -42,9 +42,10 @@ from meissner.twins.slip.slip_path import check_serial
 class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: tables of its file.
 
-    ``cop_bits``: bits of a quotient in a clock; ``slip``: its settings in codes; ``serial``: the slip path with two bits per clock; ``cop_slip``: (lag,
-    registers); each None (or False) if the build has none; ``features``: {name: settings} of
-    meissner.builds.features. ``clk_khz``, ``rate_hz``: the clock, and frames per second.
+    ``cop_bits``: bits of a quotient in a clock; ``slip``: its settings in codes; ``serial``: the slip path
+    with two bits per clock; ``cop_slip``: (lag, registers); each None (or False) if the build has none;
+    ``features``: {name: settings} of meissner.builds.features. ``clk_khz``, ``rate_hz``: the clock, and
+    frames per second.
     """
 
     name: str
