@@ -82,10 +82,10 @@ def test_electrodes_by_hand(touch, clocks):
 def test_an_array_is_that_of_the_same_numbers(gains, more, health):
     """fingertip: 3 rows of one place with three inputs; a word of 20 bits of 24 clocks, 480 clocks, and a
     clock in which all rows are low; 2 us to settle cost nothing. Two places and nearly three words, then 5
-    clocks of buffer, 1 of zeros, 1 of health and 14 of force, sums and division."""
+    clocks of buffer, 1 of zeros, 1 of health and 21 of force, sums and division, 15 bits of a bit a clock."""
     of = build("fingertip", array={"gains": gains, "health": health})
     found = array.of_config(of)
-    assert found["total_clocks"] == 2 * 1441 + 3 * 480 - 24 + 5 + 1 + health + 14 + more
+    assert found["total_clocks"] == 2 * 1441 + 3 * 480 - 24 + 5 + 1 + health + 21 + more
     bare = array.of_config(build("fingertip", array={"health": health, "tare": False}))
     assert bare["total_clocks"] == found["total_clocks"] - more - 1 and bare["terms_clocks"]["tare"] == 0
     assert (found["converters"], found["channels"], found["converters_needed"]) == (1, 3, 1)

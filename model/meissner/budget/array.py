@@ -184,12 +184,12 @@ def of_config(config):
     """The budget of a build of an array: meissner.builds.build.Config."""
     adc, clock_hz = config.adc, 1e3 * config.clk_khz
     limits, zeros = Limits() if config.health else None, {} if config.tare else None
-    gains = {"row_column": config.array.gains == "row_column", "bits_per_clock": config.cop_bits}
-    array = Array(config.scan, limits, zeros, **gains)
+    bits = {"bits_per_clock": config.cop_bits}
+    array = Array(config.scan, limits, zeros, row_column=config.array.gains == "row_column", **bits)
     found = measured(array, config.settling, config.settle_clocks, clock_hz, adc.converters, adc.channels)
     names = "settle_us channels sclk_khz settle_share volts source_ohm"
     given = {name: getattr(adc, name) for name in names.split()}
-    given |= {"health": config.array.health, "tare": config.array.tare, "adc_lanes": adc.lanes}
+    given |= {"health": config.array.health, "tare": config.array.tare, "adc_lanes": adc.lanes} | bits
     least = budget(*config.shape, clock_hz, config.part, **given, read_during=config.scan.read_during)
     return found | {"config": config.name, "converters_needed": least["converters_needed"]}
 

@@ -15,6 +15,7 @@ def found(point):
         *(point["inputs"], point.get("sclk_khz")),
         health=point.get("health", False),
         settle_share=point.get("settle_share"),
+        bits_per_clock=point.get("bits_per_clock", 2),
     )
 
 
