@@ -84,6 +84,7 @@ BIG = [
     "tb/engines/test_waves.py::test_a_slip_runs_twenty_milliseconds",
     "tb/engines/test_waves.py::test_an_arrays_frames_are_in_it[plantar_step]",
     "tb/engines/test_waves.py::test_the_largest_array_stays_small",
+    "tb/engines/test_waves.py::test_a_traced_core_that_differs_is_reported",
     "tb/engines/test_rail.py::test_a_code_at_the_rail_is_reported_railed[MCP3208-differential]",
     "tb/engines/test_rail.py::test_a_code_at_the_rail_is_reported_railed[AD7606-pulled_down]",
     "tb/engines/test_rail.py::test_a_code_at_the_rail_is_reported_railed[AD7606C-16-pulled_down]",
