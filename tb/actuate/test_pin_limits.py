@@ -220,6 +220,7 @@ async def rests_in_reset(dut):
 
 EVIDENCE = {
     "equivalence": {"size": {"Pins": 5, "AmplitudeBits": 2}},
+    "mutants": {"unsolved": True},
     # Drive periods of twelve sevenths: another period than without the upset is driven, within the duty.
     "faults": {
         "size": {"Pins": 5, "AmplitudeBits": 2},
