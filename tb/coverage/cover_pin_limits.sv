@@ -1,8 +1,7 @@
 // Cover points of msn_pin_limits: each limit met exactly and missed by one, alone; each kind of pass, with a window that
 // moves on or not; a period that ends within a pass.
 module cover_pin_limits #(
-  parameter int unsigned AmplitudeBits = 4,
-  parameter int unsigned PinBits       = 7
+  parameter int unsigned AmplitudeBits = 4
 ) (
   input logic                     clk_i,
   input logic                     rst_i,
@@ -30,22 +29,26 @@ module cover_pin_limits #(
   input logic                     none_allowed,
   input logic [15:0]              total_b,
   input logic [15:0]              allowed,
-  input logic [3:0]               run_b,
-  input logic [PinBits-1:0]       counted,
-  input logic [AmplitudeBits-1:0] level_b
+  input logic [3:0]               run_b_n,
+  input logic [11:0]              counted,
+  input logic [AmplitudeBits-1:0] level_b_n
 );
+  logic [3:0]               run_b;
+  logic [AmplitudeBits-1:0] level_b;
+  assign run_b   = ~run_b_n;
+  assign level_b = ~level_b_n;
   logic leaves, has_duty, has_run, has_room;
   assign leaves   = valid[3] && compose && asks && cfg_top_i != '0 && !rst_i;
   assign has_duty = !none_allowed && total_b <= allowed;
   assign has_run  = run_b <= cfg_watchdog_i;
-  assign has_room = 12'(counted) < cfg_most_i;
+  assign has_room = counted < cfg_most_i;
   `BIN(duty_met, leaves && may && total_b == allowed)
   `BIN(duty_missed, leaves && has_run && has_room && !none_allowed && total_b == allowed + 1'b1)
   `BIN(no_duty, leaves && has_run && has_room && none_allowed)
   `BIN(watchdog_met, leaves && may && run_b == cfg_watchdog_i)
   `BIN(watchdog_missed, leaves && has_duty && has_room && run_b == cfg_watchdog_i + 1'b1)
-  `BIN(most_met, leaves && may && 12'(counted) + 1'b1 == cfg_most_i)
-  `BIN(most_missed, leaves && has_duty && has_run && 12'(counted) == cfg_most_i)
+  `BIN(most_met, leaves && may && counted + 1'b1 == cfg_most_i)
+  `BIN(most_missed, leaves && has_duty && has_run && counted == cfg_most_i)
   `BIN(no_top, valid[3] && compose && asks && cfg_top_i == '0 && !rst_i)
   `BIN(below_top, leaves && may && level_b < cfg_top_i)
   `BIN(at_top, leaves && may && level_b == cfg_top_i)
@@ -69,4 +72,4 @@ module cover_pin_limits #(
   `BIN(turns_at_rest, go && !running_i && due && !rst_i)
 endmodule
 
-bind msn_pin_limits cover_pin_limits #(.AmplitudeBits(AmplitudeBits), .PinBits(PinBits)) u_cover (.*);
+bind msn_pin_limits cover_pin_limits #(.AmplitudeBits(AmplitudeBits)) u_cover (.*);

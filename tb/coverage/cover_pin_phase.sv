@@ -20,9 +20,11 @@ module cover_pin_phase (
   input logic        stuck,
   input logic        changed,
   input logic        tick,
-  input logic [11:0] burst,
-  input logic [11:0] burst_next
+  input logic [11:0] burst_n
 );
+  logic [11:0] burst, burst_next;  // from 0 on
+  assign burst_next = ~burst_n;
+  assign burst      = burst_next - 1'b1;
   logic [4:0] off, rest;
   assign off  = {wrap && !fast, stuck, stopped, fault_i, !cfg_enable_i};
   assign rest = {turn_o, !idle_i, !fast, stopped, fault_i} & {5{cfg_enable_i}};

@@ -6,8 +6,7 @@ module cover_scan #(
 ) (
   input logic             clk_i,
   input logic             rst_i,
-  input logic             cfg_enable_i,
-  input logic             cfg_interleave_i,
+  input msn_registers_pkg::scan_cfg_t cfg_i,
   input logic             idle,
   input logic             trigger_o,
   input logic             room,
@@ -29,7 +28,7 @@ module cover_scan #(
   for (genvar many = 0; many <= 1; many++) begin : gen_pair
     `BIN(lanes, here && (Lanes > 1) == (many == 1))
     `BIN(channels, here && (Channels > 1) == (many == 1))
-    `BIN(interleaved, here && cfg_interleave_i == (many == 1))
+    `BIN(interleaved, here && cfg_i.interleave == (many == 1))
   end
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
     `BIN(lost, !rst_i && in_lost_i[lane])
@@ -42,7 +41,7 @@ module cover_scan #(
   `BIN(held, !rst_i && out_valid_o && !out_ready_i && !out_last_o)
   `BIN(held_last, !rst_i && out_valid_o && !out_ready_i && out_last_o)
   `BIN(waits_for_room, !rst_i && !idle && !room)
-  `BIN(taken_away, !rst_i && !idle && !cfg_enable_i)
+  `BIN(taken_away, !rst_i && !idle && !cfg_i.enable)
   `BIN(reset_while_converting, rst_i && trigger_o)
   `BIN(reset_while_leaving, rst_i && out_valid_o && !out_last_o)
 endmodule

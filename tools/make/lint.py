@@ -19,6 +19,9 @@ WAIVERS = ROOT / "rtl/verilator.vlt"
 # Each tool's name and its command.
 VERILATOR = ["verilator", "verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS)]
 SLANG = ["slang", sys.executable, str(ROOT / "tools/make/slang.py"), "-Werror"]  # no waivers
+# Cover points take a block's own signals, an enum as its bits; all in one unit, for the macro.
+COVERS = [*SLANG[1:], "-Wno-implicit-port-type-mismatch", "--single-unit"]
+BINS = "tb/coverage/bin.svh"
 # The vendors' cells that rtl/ecp5 uses.
 MODELS = [CELLS, "model/meissner/engines/cells/MULT18X18D.v"]
 # Yosys reads ~Bits'(1) as (~Bits)'(1), without a warning if the rest is constant.
@@ -61,6 +64,9 @@ def main():
 
     # slang reads all modules as tops of one design, faster than it starts for each.
     jobs = [("slang", [*SLANG[1:], *map(str, files), *(f"--top={top.stem}" for top in tops)])]
+    covers = sorted(path.relative_to(ROOT) for path in ROOT.glob("tb/coverage/cover_*.sv"))
+    seen = [f"--top=msn_{path.stem.removeprefix('cover_')}" for path in covers]
+    jobs.append(("slang, cover points", [*COVERS, *map(str, (*files, BINS, *covers)), *seen]))
     for top in tops:
         elaborate(top.stem, top.stem, tools=[VERILATOR])
     for family, instead in yowasp.INSTEAD.items():
