@@ -113,10 +113,10 @@ async def follows_the_loop(dut, rate):
 
 @quick
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-async def a_seventh_ends_in_any_clock_of_a_start_and_of_a_wrap(dut):
+async def a_seventh_ends_in_any_clock_of_a_start_of_a_wrap_and_of_an_end(dut):
     """A seventh has 1300 clocks, a period at 800 Hz 650."""
     await bench.start(dut, **QUIET | {"cfg_enable_i": 0})
-    for early in range(-3, 4):
+    for early in range(-3, 8):
         await bench.reset(dut)
         here = Beside(dut, cfg_increment_i=-(-WRAP // 650), cfg_enable_i=0)
         await here.rest(1300 + early - 5)
@@ -128,6 +128,12 @@ async def a_seventh_ends_in_any_clock_of_a_start_and_of_a_wrap(dut):
         await here.rest(650 + early - 3)
         here.asked["cfg_enable_i"] = 1
         for _ in range(660):
+            await here.clock()
+        await bench.reset(dut)
+        here = Beside(dut, cfg_increment_i=-(-WRAP // 650), cfg_enable_i=0)
+        await here.rest(1270)
+        for n in range(50):
+            here.asked["cfg_enable_i"] = int(n < 28 + early)
             await here.clock()
 
 
