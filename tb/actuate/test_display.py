@@ -280,7 +280,7 @@ def test_config_by_hand():
 def test_words_by_hand():
     """Three levels a word, the first lowest; a row ends its word; the last word says so."""
     assert words([[1, 2, 3, 4], [5, 6, 7, 255]]) == [0x030201, 0x04, 0x070605, 0x1_0000_FF]
-    for wrong in (-1, 256):
+    for wrong in (-1, 256, 0.5):
         with pytest.raises(ValueError, match="level"):
             words([[wrong, 0]])
 

@@ -97,8 +97,8 @@ async def follows_the_loop(dut, rate):
                 *(draw.randint(least, largest), 1 << draw.randrange(32), draw.getrandbits(32)),
             ]
         ),
-        "cfg_burst_period_i": lambda: draw.choice([0, 0, 1, 2, 5, 7, 4095]),
-        "cfg_burst_on_i": lambda: draw.choice([0, 1, 1, 2, 5, 9, 4095]),
+        "cfg_burst_period_i": lambda: draw.choice([0, 0, 1, 2, 5, 7, 1 << draw.randrange(12), 4095]),
+        "cfg_burst_on_i": lambda: draw.choice([0, 1, 1, 2, 5, 9, 1 << draw.randrange(12), 4095]),
         "cfg_stop_i": lambda: draw.choice([0, 20, 200, 65535]),
         **{"fault_i": lambda: draw.random() < 0.2, "cfg_enable_i": lambda: draw.random() < 0.8},
         **{"frame_valid_i": lambda: draw.random() < 0.5, "idle_i": lambda: draw.random() < 0.8},

@@ -27,6 +27,12 @@ def test_features_that_a_scene_does_not_use(name, added):
         call()
 
 
+@pytest.mark.parametrize("name", ["cop_slip", pytest.param("shear_speed", marks=pytest.mark.long)])
+def test_one_run_of_a_scene_is_judged(name, monkeypatch):
+    monkeypatch.setattr(scene_cost, "REPEATS", 1)
+    assert scene_cost.cost(name)["saved"] == 1.0
+
+
 def test_every_sensor_in_the_open_is_measured():
     kinds = {scenes.load(name).sensor for name in scene_cost.names()}
     assert kinds == set(scene_cost.FEATURES)

@@ -35,13 +35,14 @@ FEATURES = {
 }
 
 
+FITTED = ("shear_speed",)
 ALL_PHYSICS = {"rubber": ("grip_slip", 6)}  # {sensor: scene, condition}
 
 
 def one_run(scene, condition=0):
-    """The scene with one run of one condition."""
+    """The scene with one run of one condition; of all its cases where their judge fits constants to them."""
     for name in ("conditions", "cases", "names", "pulls"):
-        if name in scene.__dataclass_fields__:
+        if name in scene.__dataclass_fields__ and scene.name not in FITTED:
             scene = replace(scene, **{name: getattr(scene, name)[condition : condition + 1]})
     return replace(scene, seeds=1) if hasattr(scene, "seeds") else scene
 
