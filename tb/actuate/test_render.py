@@ -114,11 +114,13 @@ async def shows_images_and_markers(dut):
     draw = random.Random(bench.SEED)
     await bench.start(dut, **REST, cfg_floor_i=0, cfg_step_i=0, cfg_marker_i=0, cfg_cue_i=0)
     cases = [(0, 0), (1, 1), (1000, 0), (1000, 10), (65535, 0), (1, 65535)]
-    cases += [(draw.randint(0, 2000), draw.randint(0, 5000)) for _ in range(4)]
+    more = 4 if grid[0] * grid[1] > 9 else 60
+    cases += [(draw.getrandbits(draw.randint(1, 16)), draw.getrandbits(13)) for _ in range(more)]
+    places = [*CORNERS, *((draw.randint(-16384, 16384), draw.randint(-16384, 16384)) for _ in range(more))]
     for n, (floor, step) in enumerate(cases):
         settings = RenderSettings(floor, step, n % 2 if shape else 1)
         settings_in(dut, settings)
-        cop = CORNERS[n % len(CORNERS)]
+        cop = places[n % len(places)]
         image = images(draw, shape) if shape else None
         if shape:
             await cop_in(dut, cop)

@@ -360,8 +360,8 @@ the clock of the worst seed. ECP5 is the 25k, speed 6. On the UP5K, LUT is logic
 """
 BOARDS = """## Bitstreams
 
-`make resources` measures them into `constraints/resources.json`, as `make fmax` the blocks above; builds of this
-version, not all of this commit. [boards.md](boards.md) describes the boards.
+`make resources` measures them into `constraints/resources.json`, as `make fmax` the blocks above: of this
+version, but not all of this commit. [boards.md](boards.md) describes the boards.
 
 {}
 
