@@ -19,7 +19,6 @@ BIG = [
     "tb/boards/test_rows.py::test_rows[16-3]",
     "tb/boards/test_two_converters.py::test_two_converters[two]",
     "tb/boards/test_boards.py::test_the_smallest_board_synthesises_as_recorded",
-    "tb/boards/test_pins.py::test_inputs_go_into_one_register_each[cases0]",
     "tb/cli/test_cli.py::test_a_core_that_differs_from_its_twin_ends_the_run_with_an_error",
     "tb/cli/test_jobs.py::test_any_number_of_processes_gives_the_same[shear]",
     "tb/cli/test_jobs.py::test_any_number_of_processes_gives_the_same[rubber]",

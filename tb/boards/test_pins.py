@@ -138,9 +138,9 @@ class Netlist:
         return True
 
 
-@pytest.mark.parametrize("cases", [CASES[1:2], pytest.param(CASES[:1] + CASES[2:], marks=pytest.mark.long)])
-def test_inputs_go_into_one_register_each(subtests, cases):
-    for (board, name, unused), module in zip(cases, netlists(cases)):
+@pytest.mark.long
+def test_inputs_go_into_one_register_each(subtests):
+    for (board, name, unused), module in zip(CASES, netlists(CASES)):
         with subtests.test(board=board.name, configuration=name):
             check_inputs(board, name, unused, module)
 

@@ -261,6 +261,8 @@ def test_levels_that_undo_each_other_are_refused(name, key, good, bad):
         ("full", None, "link", "baud", 472_720, 472_719),
         # With the largest gain, 65535/4096, the 4095 codes of a taxel are 65519 of force: 9 · 65519 · 2 mN.
         ("fingertip", None, "cop", "min_load_n", 1179.342, 1179.343),
+        ("fingertip", None, "cop", "bits_per_clock", 2, 3),
+        ("fingertip", None, "cop", "bits_per_clock", 1, 0),
         # A detail of level 1 lies in -4095 .. 4095: 8190·5/4096/sqrt(2) = 7.069342 V.
         ("slip1", None, "slip", "gross_threshold_p2p_v", 7.06934, 7.06935),
         (LEVEL_2, None, "slip", "gross_threshold_p2p_v", 6.59838, 6.59839),  # 4 · 4095 · 3.3 / 4096 / 2

@@ -35,7 +35,7 @@ FEATURES = {
 }
 
 
-FITTED = ("shear_speed",)
+FITTED = ("shear_speed",)  # scenes whose judge needs several cases
 ALL_PHYSICS = {"rubber": ("grip_slip", 6)}  # {sensor: scene, condition}
 
 

@@ -210,6 +210,7 @@ def fit(reducer, compared, room):
     adds a leaf to the table of three classes and more, these forests also try as many whole trees as fit.
     """
     count, best = len(reducer.model.trees), None
+    table = len(reducer.model.classes) != 2
 
     def score(model):
         nonlocal best
@@ -217,7 +218,7 @@ def fit(reducer, compared, room):
         if best is None or scored[1] > best[2]:
             best = (model, *scored)
 
-    if len(reducer.model.classes) != 2:
+    if table:
         first = lambda trees: replace(reducer.model, trees=reducer.model.trees[:trees])
         if fitting := bisect_left(range(1, count + 1), True, key=lambda trees: not room.fits(first(trees))):
             score(first(fitting))
@@ -227,11 +228,7 @@ def fit(reducer, compared, room):
         nodes = room.nodes(size)
         model = reducer.build(reducer.cheapest(nodes, trees), trees)
         while not room.fits(model) and nodes > trees:
-            most = (
-                room.nodes(size, len(model.leaves) / max(model.nodes, 1))
-                if len(model.classes) != 2
-                else nodes
-            )
+            most = room.nodes(size, len(model.leaves) / max(model.nodes, 1)) if table else nodes
             step = nodes // 64 if in_words(model) else nodes // 8
             nodes = min(nodes - max(step, 1), model.nodes, most)
             model = reducer.build(reducer.cheapest(nodes, trees), trees)

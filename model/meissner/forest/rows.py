@@ -86,10 +86,15 @@ def _plain(name):
     return name.strip().removeprefix("#").strip()
 
 
+def _grouped(cell):
+    """1_000, which is a number for Python alone."""
+    return isinstance(cell, str) and "_" in cell
+
+
 def _is_number(cell):
+    if _grouped(cell):
+        return False
     try:
-        if isinstance(cell, str) and "_" in cell:
-            return False
         float(cell or "nan")
     except (ValueError, TypeError):
         return False
@@ -122,7 +127,7 @@ def _numbers(path, names, cells):
     if cells.dtype != object:
         return cells
     try:
-        if any(isinstance(cell, str) and "_" in cell for cell in cells.flat):  # 1_000, for Python a number
+        if any(map(_grouped, cells.flat)):
             raise ValueError
         return np.where(cells == "", "nan", cells).astype(np.float64)
     except (ValueError, TypeError):

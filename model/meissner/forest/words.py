@@ -74,16 +74,16 @@ def without_missing(model: Model, room: int | None = None) -> tuple[Model, Input
     ``room``: the number of columns that there are. If it is another one, or if those needed are more than a
     word can number, a column per feature, without missing values; if these are too many or not ``room``
     either, and the features that a node asks for are not, a column for each of those."""
-    every, used = np.arange(len(model.features)), [tree.feature for tree in model.trees]
     fitting = lambda found: len(found) <= FEATURES if room is None else len(found) == room
     distinct = lambda keys: np.unique(np.concatenate(keys)) if model.nodes else np.zeros(1, np.int64)
-    rule = model.trees[0].missing_left is not None
-    keys = [2 * tree.feature + tree.missing_left for tree in model.trees] if rule else used
-    columns = distinct(keys)
-    if not (rule and fitting(columns)):
-        sources = distinct(used)
-        if fitting(every) or not fitting(sources):
-            sources = every
+    columns, keys = None, []
+    if model.trees[0].missing_left is not None:
+        keys = [2 * tree.feature + tree.missing_left for tree in model.trees]
+        columns = distinct(keys)
+    if columns is None or not fitting(columns):
+        sources = np.arange(len(model.features))
+        if not fitting(sources) and fitting(asked := distinct([tree.feature for tree in model.trees])):
+            sources = asked
         trees = [
             replace(tree, feature=np.searchsorted(sources, tree.feature), missing_left=None)
             for tree in model.trees

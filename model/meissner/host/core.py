@@ -209,8 +209,8 @@ class Core:
             If the display has another size or shows the sensor's frames, or a level is out of range or no
             whole number.
         """
-        found, word = np.asarray(levels), self["display.size"]
-        size = tuple(names.place(f"display.size.{side}").value(word) for side in ("rows", "columns"))
+        found, whole = np.asarray(levels), self["display.size"]
+        size = tuple(names.place(f"display.size.{side}").value(whole) for side in ("rows", "columns"))
         if found.shape != size:
             raise ValueError(
                 f"a frame of {found.shape} does not fit the display: it has {size[0]} x {size[1]} pins"

@@ -97,7 +97,7 @@ def _electrodes(needs, _):
 def _array(needs, _):
     axis, base = named("lanes"), tables_of(base_of(needs))
     own = {"settle_share": needs.settle_share, "health": base["array"]["health"]}
-    own["bits_per_clock"] = base["cop"].get("bits_per_clock", 2)
+    own |= {"bits_per_clock": config.load(base_of(needs)).cop_bits}
     for part in PARTS if needs.adc is None else (needs.adc,):
         own["settle_us"] = _settle_us(needs, base["adc"], PARTS[part])
         for converters in axis.values["converters"]:
