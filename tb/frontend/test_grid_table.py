@@ -1,6 +1,7 @@
 """msn_grid_table against its model: one taxel to rows that do not fill their lanes; beats with pauses
 and without, exactly six clocks later, while the other bank is written; swaps at every beat of a frame and
-between frames; damaged frames, too short and too long; resets in mid-frame, with a swap requested."""
+between frames; damaged frames, too short and too long; resets in mid-frame, with a swap requested, to another
+preset."""
 
 import random
 
@@ -14,13 +15,14 @@ from harness.refusals import refusals, refused
 from meissner.twins.frontend.calibrate import GridTable
 from members import Settings
 
-LATENCY, PRESET = 6, 0xA9C5
+LATENCY = 6
+PRESETS = 0xA9C5, 0x563A  # in turn from reset to reset: each bit once 1, once 0
 
 
 def twin_of(dut):
     names = ("Rows", "Columns", "Lanes", "SampleBits", "Offset")
     twin = GridTable(*(getattr(dut, name).value.to_unsigned() for name in names))
-    twin.preset = PRESET
+    twin.preset = PRESETS[0]
     return twin
 
 
@@ -39,12 +41,14 @@ def entries(twin, draw):
     ]
 
 
-async def write(dut, settings, found, twin):
-    """Write a bank, then what is not there. Beats up to the later swap request belong to the old one."""
-    beyond = [
-        (row, count + more) for row, count in ((1, twin.rows), (0, twin.row_beats)) for more in (0, 9999)
-    ]
-    beyond = [(row, word, 0, 77, 99) for row, word in beyond]
+async def write(dut, settings, found, twin, number):
+    """Write a bank, then what is not there: the first place too many, and one with the low bits of place 0
+    and, from bank to bank, another of the high ones. Beats up to the later swap request belong to the old
+    bank."""
+    beyond = []
+    for row, count in ((1, twin.rows), (0, twin.row_beats)):
+        bits = range(19, count.bit_length() - 1, -1)
+        beyond += [(row, word, 0, 77, 99) for word in (count, 1 << bits[number % len(bits)])]
     for of_row, word, lane, offset, gain in found + beyond:
         entry = {"word": word, "offset": offset, "gain": gain, "write_lanes": 1 << lane}
         settings.put(write_written=1, write_row=of_row, **entry)
@@ -57,7 +61,7 @@ async def write(dut, settings, found, twin):
 async def matches_model(dut, pause_rate):
     """A swap is requested at every beat of a frame in turn, and now and then between two frames."""
     twin, draw = twin_of(dut), random.Random(bench.SEED)
-    settings = Settings(dut, "calibrate_cfg", preset=PRESET)
+    settings = Settings(dut, "calibrate_cfg", preset=PRESETS[0])
     await bench.start(dut, take_i=0, last_i=0)
     await FallingEdge(dut.clk_i)
     beats = twin.rows * twin.row_beats
@@ -79,6 +83,8 @@ async def matches_model(dut, pause_rate):
             await FallingEdge(dut.clk_i)
             dut.rst_i.value = 0
             twin.reset()
+            twin.preset = PRESETS[len(resets) % 2 - 1]
+            settings.put(preset=twin.preset)
             due, asked, writer, midway, number = [], None, None, False, 0
         # The beat taken LATENCY clocks ago.
         if due and due[0][0] == clock:
@@ -103,7 +109,7 @@ async def matches_model(dut, pause_rate):
         settings.put(swap=0)
         if writer is None and dut.status_o.value == 0:
             found = entries(twin, draw)
-            writer = cocotb.start_soon(write(dut, settings, found, twin))
+            writer = cocotb.start_soon(write(dut, settings, found, twin, swaps))
         elif writer and writer.done() and asked is None and (number == frame % beats or draw.random() < 0.02):
             settings.put(swap=1)
             asked = found

@@ -429,14 +429,14 @@ async def recovers_after_reset(dut):
 SIZES = [
     {"Rows": 1, "Columns": 1, "Channels": 1, "Cycle": 12, "SettleBits": 6},
     {"Rows": 1, "Columns": 19, "Channels": 4, "Cycle": 30, "SettleBits": 6},
-    {"Rows": 9, "Columns": 1, "Channels": 1, "Cycle": 20, "Hold": 12, "SettleBits": 6},
+    {"Rows": 5, "Columns": 2, "Channels": 1, "Cycle": 20, "Hold": 12, "SettleBits": 6},
     {"Rows": 3, "Columns": 3, "Channels": 3, "Cycle": 70, "Hold": 60, "SettleBits": 8, "SampleBits": 13},
     {"Rows": 2, "Columns": 5, "Channels": 3, "Lanes": 2, "Cycle": 20, "SettleBits": 6, "SampleBits": 13},
     {"Rows": 8, "Columns": 8, "Channels": 1, "Lanes": 8, "Cycle": 20, "SettleBits": 6},
     {"Rows": 6, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6},
     {"Rows": 3, "Columns": 10, "Channels": 3, "Lanes": 3, "Cycle": 24, "SettleBits": 6},
     {"Rows": 2, "Columns": 17, "Channels": 4, "Lanes": 5, "Cycle": 20, "SettleBits": 6},
-    {"Rows": 3, "Columns": 78, "Channels": 6, "Lanes": 6, "Cycle": 20, "SettleBits": 6},
+    {"Rows": 2, "Columns": 114, "Channels": 6, "Lanes": 6, "Cycle": 20, "SettleBits": 6},
     {"Rows": 5, "Columns": 64, "Channels": 5, "Lanes": 7, "Cycle": 80, "SettleBits": 6, "Depth": 32},
     pytest.param(
         {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 40, "SettleBits": 6, "Depth": 64},
