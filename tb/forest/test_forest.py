@@ -1,8 +1,8 @@
 """msn_forest against its model, and the model against a plain loop over the nodes of F.json: one class, two,
 three and 100; one node, trees that are one leaf, a depth of 60; features at both ends and at thresholds
-exactly, one below and one above; several engines, one bank and two; swaps while rows come; rows of a wrong
-length; nodes and leaves that cannot be; clocks counted; a memory outside that answers in any order, late or
-never."""
+exactly, one below and one above; several engines, one bank and two, both ends of a memory; swaps while rows
+come; rows of a wrong length; nodes and leaves that cannot be, of each engine; clocks counted; memories
+outside that answer in any order, late or never."""
 
 import random
 
@@ -12,7 +12,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from forest.trees import decide, forest, rows, tree
+from forest.trees import decide, forest, moved, rows, tree
 from harness.refusals import refusals
 from meissner.forest import words
 from meissner.twins.forest import forest as twin
@@ -86,6 +86,11 @@ async def load(dut, model, table):
 async def swap(dut, model=None):
     dut.swap_i.value = 1
     await RisingEdge(dut.clk_i)
+    await swapped(dut, model)
+
+
+async def swapped(dut, model):
+    """Until what was asked for is done."""
     dut.swap_i.value = 0
     await ReadOnly()
     while bench.high(dut.swapping_o):
@@ -96,9 +101,16 @@ async def swap(dut, model=None):
         model.swap()
 
 
-async def put(dut, model, given):
-    """Load and swap in ``given``, a model of the importers."""
-    await load(dut, model, words.loads(given, dut.Engines.value.to_unsigned()))
+def loads(size, given, at_end=False):
+    """The writes of ``given``, a model of the importers; ``at_end``: up to the last node of the memory."""
+    table = words.loads(given, size["Engines"])
+    end = max((row[2] for row in table if row[0] == twin.NODE), default=0)
+    return moved(table, size["Nodes"] - 1 - end) if at_end else table
+
+
+async def put(dut, model, given, at_end=False):
+    """Load and swap in ``given``."""
+    await load(dut, model, loads(sizes(dut), given, at_end))
     await swap(dut, model)
 
 
@@ -123,16 +135,27 @@ def long_enough(dut, nodes=40):
     return dut.Nodes.value.to_unsigned() >= nodes
 
 
+async def noise(dut):
+    """What comes at the ports of a memory outside, of which nothing is asked."""
+    draw = random.Random(bench.SEED)
+    while True:
+        for name in ("req_ready_i", "rsp_valid_i", "rsp_tag_i", "rsp_data_i"):
+            getattr(dut, name).value = draw.getrandbits(len(getattr(dut, name)))
+        await RisingEdge(dut.clk_i)
+        assert bench.read(dut.req_valid_o) == 0
+
+
 @bench.applies(inside)
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.5])
 async def matches_model(dut, rate):
     size, draw = sizes(dut), random.Random(bench.SEED)
     await bench.start(dut, **quiet(dut))
+    cocotb.start_soon(noise(dut))
     model = twin_of(size)
-    for _ in range(3):
+    for number in range(3):
         given = drawn(draw, size)
-        await put(dut, model, given)
+        await put(dut, model, given, at_end=number == 1)
         q = rows(draw, given, 40, span_of(size))
         await check(dut, model, q, *bench.gaps_and_stalls(rate))
 
@@ -159,6 +182,9 @@ async def decides_by_the_old_forest_or_the_new_one(dut):
         for each in forests:
             await load(dut, None, words.loads(each, size["Engines"]))
             await swap(dut)
+        if size["Banks"] == 1:  # of nothing: the forest stays
+            await bench.clocks(dut, 100)
+            await swap(dut)
 
     changing = cocotb.start_soon(change())
     got = await ask(dut, q, *bench.gaps_and_stalls(0.1))
@@ -174,6 +200,23 @@ async def decides_by_the_old_forest_or_the_new_one(dut):
         assert found == expected[now][start : start + step]
         used.add(now)
     assert 4 in used and (len(used) >= 3 or size["Banks"] == 1)
+
+
+@bench.applies(inside)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def swaps_in_the_clock_of_the_last_write(dut):
+    """A write of each kind."""
+    size, draw = sizes(dut), random.Random(bench.SEED + 9)
+    await bench.start(dut, **quiet(dut))
+    model = twin_of(size)
+    for kind in (twin.COUNT, twin.NODE, twin.ROOT, *[twin.VOTE] * (size["Classes"] != 2)):
+        given = drawn(draw, size)
+        *table, last = sorted(loads(size, given), key=lambda row, kind=kind: row[0] == kind)
+        await load(dut, model, table)
+        dut.swap_i.value = 1
+        await load(dut, model, [last])
+        await swapped(dut, model)
+        await check(dut, model, rows(draw, given, 10, span_of(size)))
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -210,26 +253,27 @@ async def leaves_out_rows_of_a_wrong_length(dut):
 @bench.applies(lambda dut: inside(dut) and long_enough(dut))
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def reports_nodes_and_leaves_that_cannot_be(dut):
-    """A tree beside whole ones has no vote if it goes back, to itself, beyond the memory, or to a feature or
-    a leaf that does not exist; the memory may be read in any of them, and the next row is decided again."""
+    """A tree of any engine has no vote if it goes back, to itself, beyond the memory, or to a feature or a
+    leaf that does not exist; the memory may be read in any of them, and the next row is decided again."""
     size = sizes(dut)
     await bench.start(dut, **quiet(dut))
-    nodes, leaves, features = size["Nodes"], size["Leaves"], size["Features"]
+    nodes, leaves, features, engines = (size[name] for name in ("Nodes", "Leaves", "Features", "Engines"))
     word = lambda kind, feature, low, high=0: kind << 62 | feature << 54 | high << 48 | low
     bad = {
+        "whole": [word(0, 0, 12), word(3, 0, 0), word(3, features - 1, leaves - 1 << 16 | leaves - 1)],
+        "one leaf too many": [word(3, 0, leaves << 16 | leaves)],
         "back": [word(1, 0, 0), word(0, 0, 0)],
         "to itself": [word(1, 0, 0), word(0, 0, 11)],
         "beyond": [word(0, 0, nodes), word(3, 0, 0)],
         "far beyond": [word(0, 0, 1 << 31 | 12), word(3, 0, 0)],
         "one feature too many": [word(3, features, 0)],
-        "one leaf too many": [word(3, 0, leaves << 16 | leaves)],
-        "whole": [word(0, 0, 12), word(3, 0, 0), word(3, features - 1, leaves - 1 << 16 | leaves - 1)],
     }
-    for name, memory in bad.items():
-        model = twin_of(size)
-        table = [(twin.NODE, 0, 0, word(3, 0, 0)), (twin.ROOT, 0, 0, 10), (twin.COUNT, 0, 0, 1)]
-        table += [(twin.COUNT, engine, 0, 0) for engine in range(1, size["Engines"])]
-        table += [(twin.NODE, 0, 10 + at, each) for at, each in enumerate(memory)]
+    names = [*bad, *["back"] * engines]
+    for number, name in enumerate(names[: max(len(bad), engines + 2)]):
+        model, at = twin_of(size), number % engines
+        table = [(twin.NODE, at, 0, word(3, 0, 0)), (twin.ROOT, at, 0, 10)]
+        table += [(twin.COUNT, engine, 0, int(engine == at)) for engine in range(engines)]
+        table += [(twin.NODE, at, 10 + place, each) for place, each in enumerate(bad[name])]
         table += [
             (twin.VOTE, 0, label << 16 | row, 5 * label + row)
             for label in range(size["Classes"])
@@ -238,7 +282,7 @@ async def reports_nodes_and_leaves_that_cannot_be(dut):
         model.bank = bench.read(dut.req_bank_o)
         await load(dut, model, table)
         await swap(dut, model)
-        q = [[-5] * features, [5] * features]
+        q = [[-5] * features, *[[5] * features] * 4]  # one of each context goes right
         found = model.next(q)
         assert await ask(dut, q) == results(found), name
         seen_ = set(found.error.tolist())
@@ -256,13 +300,14 @@ async def ignores_loads_of_what_does_not_exist(dut):
     size, draw = sizes(dut), random.Random(bench.SEED + 4)
     await bench.start(dut, **quiet(dut))
     model, given = twin_of(size), drawn(draw, size)
-    table = words.loads(given, size["Engines"])
-    rng = lambda: draw.getrandbits(40)
-    table += [(twin.NODE, 0, size["Nodes"], rng()), (twin.NODE, 0, 1 << 31, rng())]
-    table += [(twin.ROOT, 0, size["Trees"], 1), (twin.ROOT, 0, 1 << 31, 1)]
-    table += [(twin.COUNT, 0, 0, size["Trees"] + 1), (twin.VOTE, 0, size["Classes"] << 16, 77)]
-    if size["Leaves"] < 65536:
-        table += [(twin.VOTE, 0, size["Leaves"], 78)]
+    table, engines = words.loads(given, size["Engines"]), range(size["Engines"], 1 << len(dut.load_engine_i))
+    beyond = lambda end, bits: [end, *(1 << bit for bit in range(end.bit_length(), bits))]
+    table += [(twin.NODE, 0, address, draw.getrandbits(64)) for address in beyond(size["Nodes"], 32)]
+    table += [(twin.ROOT, 0, address, 1) for address in beyond(size["Trees"], 32)]
+    table += [(twin.COUNT, 0, 0, count) for count in beyond(size["Trees"] + 1, 32)]
+    table += [(twin.VOTE, 0, label << 16, 77) for label in beyond(size["Classes"], 16)]
+    table += [(twin.VOTE, 0, row, 78) for row in beyond(size["Leaves"], 16)]
+    table += [(kind, engine, 0, 0) for kind in (twin.NODE, twin.ROOT, twin.COUNT) for engine in engines]
     await load(dut, model, table)
     await swap(dut, model)
     q = rows(draw, given, 10, span_of(size))
@@ -292,7 +337,12 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.reset(dut)
 
 
-@bench.applies(lambda dut: inside(dut) and dut.Walkers.value.to_unsigned() >= 14 and long_enough(dut, 300))
+def has_room_for_all(dut):
+    walkers, contexts = (getattr(dut, name).value.to_unsigned() for name in ("Walkers", "Contexts"))
+    return inside(dut) and walkers >= 14 and contexts >= 4 and long_enough(dut, 300)
+
+
+@bench.applies(has_room_for_all)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(shape=["even", "one deep", "shallow"])
 async def compares_a_node_in_nearly_every_clock(dut, shape):
@@ -343,7 +393,7 @@ class Memory:
         self.ready, self.doubled = ready, doubled
         self.words = [{}, {}]  # of each bank: {engine: {address: word}}
         self.waiting = [[] for _ in range(dut.Engines.value.to_unsigned())]
-        self.asked, self.held = 0, lambda number: 0  # further clocks for the request of this number
+        self.asked, self.held = 0, lambda number, engine: 0  # further clocks for the request of this number
         self.running = cocotb.start_soon(self.run())
 
     def load(self, bank, table):
@@ -381,7 +431,7 @@ class Memory:
                     address = bench.lane_values(bench.read(dut.req_address_o), engines, address_bits)[engine]
                     tag = bench.lane_values(bench.read(dut.req_tag_o), engines, tag_bits)[engine]
                     word = self.words[bank].get((engine, address), draw.getrandbits(64))
-                    due = clock + self.latency() + self.held(self.asked)
+                    due = clock + self.latency() + self.held(self.asked, engine)
                     pending.append((due, tag, word))
                     self.asked += 1
             await RisingEdge(dut.clk_i)
@@ -418,8 +468,7 @@ async def reads_a_memory_that_answers_in_any_order(dut, how):
     memory, model, given = await started(dut, draw, **ways[how])
     q = rows(draw, given, 40, span_of(sizes(dut)))
     await check(dut, model, q, *bench.gaps_and_stalls(0.2))
-    other = drawn(draw, sizes(dut))
-    table = words.loads(other, dut.Engines.value.to_unsigned())
+    table = loads(sizes(dut), drawn(draw, sizes(dut)), at_end=True)
     memory.load(0, table)
     await load(dut, model, table)
     await swap(dut, model)
@@ -427,21 +476,28 @@ async def reads_a_memory_that_answers_in_any_order(dut, how):
     memory.running.cancel()
 
 
+def held(late, place, clocks):
+    """The first request of the engine ``late`` from this one on waits so many clocks."""
+    once = iter([clocks])
+    return lambda number, engine: next(once, 0) if engine == late and number >= place else 0
+
+
 @bench.applies(outside)
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def reports_a_memory_that_answers_late_or_never(dut):
-    """One read is not answered for long, in any place of a decision. The rows before have their results, and
-    those that are complete when the time has passed; its own and all after have error 2 and no votes, until
-    the answer comes, which may take 16 times as long. Without one rows are decided on again after
-    that time."""
+    """One read of any engine is not answered for long, in any place of a decision. The rows before have their
+    results, and those that are complete when the time has passed; its own and all after have error 2 and no
+    votes, until the answer comes, which may take 16 times as long. Without one rows are decided on again
+    after that time."""
     size, draw = sizes(dut), random.Random(bench.SEED + 8)
     limit, classes = dut.Timeout.value.to_unsigned(), size["Classes"]
-    for place in (5, 11, 25, 160):
+    for number in range(max(4, size["Engines"])):
+        place, late = (5, 11, 25, 160)[number % 4], number % size["Engines"]
         memory, model, given = await started(dut, draw, latency=lambda: draw.randint(1, 6))
         q = rows(draw, given, 30, span_of(size))
         expected, lost = results(model.next(q)), results(model.next(q[:1]))
         lost = [(label, 0, last, 0 if last else None, twin.LATE) for label, _, last, _, _ in lost]
-        memory.held = lambda number, place=place: 12 * limit * (number == place)
+        memory.held = held(late, place, 12 * limit)
         got, now = await ask(dut, q), []
         for start in range(0, len(got), classes):
             found = got[start : start + classes]
@@ -451,7 +507,7 @@ async def reports_a_memory_that_answers_late_or_never(dut):
         assert all(now[first + dut.Contexts.value.to_unsigned() :]) and not all(now), now
         await bench.clocks(dut, 13 * limit)
         await check(dut, model, q)
-        memory.held = lambda number, first=memory.asked: 10**9 * (number == first + 2)
+        memory.held = held(late, memory.asked + 2, 10**9)
         got = await ask(dut, q)
         assert got[-classes:] == lost
         await bench.clocks(dut, 17 * limit)
@@ -478,8 +534,8 @@ EVIDENCE = {
 
 TOPS = {
     "two classes": {},
-    "one engine, one bank": {"Banks": 1, "Features": 3, "FeatureBits": 12, "Nodes": 300, "Trees": 40},
-    "wine": {"Classes": 3, "Features": 13, "Engines": 2, "Leaves": 50},
+    "one engine, one bank": {"Banks": 1, "Features": 3, "FeatureBits": 12, "Nodes": 300, "Contexts": 2},
+    "wine": {"Classes": 3, "Features": 13, "Engines": 2, "Leaves": 50, "Banks": 1},
     "many classes": {
         "Classes": 100,
         "Features": 5,
@@ -491,7 +547,7 @@ TOPS = {
     },
     "one class": {"Classes": 1, "Features": 2, "FeatureBits": 2, "Nodes": 64, "Trees": 7, "Leaves": 3},
     "one node": {"Nodes": 1, "Trees": 1, "Features": 1, "Walkers": 1, "Banks": 1, "Leaves": 1},
-    "outside": {"Outside": 1, "Engines": 2, "Timeout": 70, "Nodes": 2048, "Walkers": 11, "Trees": 30},
+    "outside": {"Outside": 1, "Engines": 8, "Timeout": 70, "Nodes": 512, "Walkers": 11, "Trees": 30},
     "outside, three classes": {"Outside": 1, "Classes": 3, "Timeout": 100, "Banks": 2, "Contexts": 2},
     "eight engines": {"Engines": 8, "Nodes": 512, "Trees": 40, "Features": 9, "FeatureBits": 18},
 }

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import bench
-from forest.trees import decide, forest, rows, tree
+from forest.trees import decide, forest, moved, rows, tree
 from harness.refusals import refusals
 from meissner.forest import words
 from meissner.twins.forest.forest import Forest, walk
@@ -103,9 +103,9 @@ class Played:
 async def begin(dut, given, answers, base=0):
     """The engine with the forest ``given`` in use, in bank 1, its nodes from address ``base`` on."""
     await bench.start(dut, **dict.fromkeys(IDLE.split(), 0))
-    nodes = enumerate(map(int, words.pack(given).nodes), base)
-    memory = {at: word + (base if word >> 62 == 0 else 0) for at, word in nodes}  # a child's address
-    await load(dut, [(*row[:3], row[3] + base if row[0] == 1 else row[3]) for row in words.loads(given, 1)])
+    table = moved(words.loads(given, 1), base)
+    memory = {address: data for kind, _, address, data in table if kind == words.NODE}
+    await load(dut, table)
     dut.bank_i.value = dut.req_ready_i.value = 1
     dut.read_i.value = 0
     played = Played(dut, memory, answers)

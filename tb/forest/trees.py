@@ -1,6 +1,6 @@
 """Forests for the benches, drawn at random, and a decision by a plain loop over the nodes of F.json."""
 
-from meissner.forest import file
+from meissner.forest import file, words
 
 
 def tree(draw, features, leaves, span, depth=6, stop=0.2, chain=False):
@@ -56,6 +56,16 @@ def decide(model, row):
         for label, value in enumerate(model.leaves[-1 - at]):
             votes[label] += int(value)
     return votes, votes.index(max(votes)), steps
+
+
+def moved(table, base):
+    """The loads of ``table`` [(kind, engine, address, data)], its nodes ``base`` further up in the memory."""
+    placed = []
+    for kind, engine, address, data in table:
+        if kind == words.NODE:
+            address, data = address + base, data + (base if data >> 62 == 0 else 0)  # a child's address
+        placed.append((kind, engine, address, data + base if kind == words.ROOT else data))
+    return placed
 
 
 def rows(draw, model, count, span):

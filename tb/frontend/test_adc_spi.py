@@ -975,7 +975,11 @@ EVIDENCE = {
     },
     "faults": {
         "driver": {"free": 16000, "part": 1, "late": "left_q"},
-        "more": [{"Part": 2, "ReadDuring": 1}],
+        "more": [
+            {"Part": 2, "Lanes": 2, "ReadDuring": 1},  # with BUSY
+            {"Part": 3},  # with channels' numbers in its answers, set up by words
+            {"Part": 6, "Lanes": 4},  # with both BUSY and a setup
+        ],
     },
     "icarus": {
         "refused": "a parameter that a package's function makes of another package's functions: not evaluated"

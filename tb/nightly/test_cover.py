@@ -133,5 +133,13 @@ def test_more_waived_points_than_the_limit_break_it(merged, monkeypatch, tmp_pat
         assert len(cover.facts(merged, "tiny", limits, [])["broken"]) == holes
 
 
+def test_a_trace_that_is_still_written_is_left_out(tmp_path):
+    (tmp_path / "python").mkdir()
+    names = ["data.vm.pid31173.XJP1kObx.HNQIp837rWOh", "data.vm.pid31187.XGifiRkx"]
+    for name in names:
+        (tmp_path / "python" / name).touch()
+    assert [path.name for path in tmp_path.glob(cover.TRACES)] == names[:1]
+
+
 def test_a_small_block_has_no_hole():
     assert cover.run("skid", Limits())["broken"] == []

@@ -253,7 +253,7 @@ def inside(instance, names):
 
 def _run(block, count, seed, options, size):
     if "part" in options:
-        options = options | {"part": size.get("Part", options["part"])}
+        options = options | {"part": size.get("Part", options["part"]), "lanes": size.get("Lanes", 1)}
     given = [f"{key}={','.join(str(value).split())}" for key, value in options.items()]
     command = [program(block, size), recording(block, size), count, seed, stated(block, "settle", 0), *given]
     done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=LONG_S)
