@@ -98,7 +98,7 @@ module msn_forest #(
   assign using_     = going & ~failed;
 
   // The bank in use, and whether it has a forest.
-  logic               bank, swapping, loading, absent, load;
+  logic               bank, swapping, settling, loading, absent, load;
   logic [1:0]         load_kind;
   logic [EngineBits-1:0] load_engine;
   logic [31:0]        load_address;
@@ -109,7 +109,7 @@ module msn_forest #(
   logic [Engines*Contexts-1:0] done, broken;
   assign swapping_o   = swapping;
   assign load_ready_o = !swapping && (Banks == 2 || (loading && using_ == '0));
-  assign begin_next   = filled[next] && !going[next] && !swapping;
+  assign begin_next   = filled[next] && !going[next] && !swapping && !settling;
 
   // Results in the order of rows. Classes pass the engines one after another, a class a clock, and each engine adds
   // its votes: a sum over all of them in one clock would be the slowest path with eight.
@@ -174,6 +174,7 @@ module msn_forest #(
     load_engine  <= load_engine_i;
     load_address <= load_address_i;
     load_data    <= load_data_i;
+    settling     <= swapping;  // `absent` follows the bank a clock later
     swapping     <= swap_i || (swapping && (using_ != '0 || load));
     if (swapping && using_ == '0 && !load) begin
       bank    <= !bank;
@@ -223,6 +224,7 @@ module msn_forest #(
       absent    <= 1'b1;
       load      <= 1'b0;
       swapping  <= 1'b0;
+      settling  <= 1'b0;
       bank      <= 1'b0;
       loading   <= 1'b0;
       reads     <= 1'b0;

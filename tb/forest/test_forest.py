@@ -219,6 +219,35 @@ async def swaps_in_the_clock_of_the_last_write(dut):
         await check(dut, model, rows(draw, given, 10, span_of(size)))
 
 
+@bench.applies(inside)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def decides_by_the_forest_or_by_none(dut):
+    """Rows all the time, and its trees taken away and given back: a row has the forest's votes or error 1."""
+    size, draw = sizes(dut), random.Random(bench.SEED + 10)
+    await bench.start(dut, **quiet(dut))
+    model, given = twin_of(size), drawn(draw, size)
+    await put(dut, model, given)
+    q = rows(draw, given, 150, span_of(size))
+    counts = [row for row in loads(size, given) if row[0] == twin.COUNT]
+
+    async def change():
+        for number in range(40):
+            await load(dut, None, [(*row[:3], row[3] * (number % 2)) for row in counts])
+            await swap(dut)
+            await bench.clocks(dut, draw.randint(1, 60))
+
+    changing = cocotb.start_soon(change())
+    got, expected, step = await ask(dut, q), results(model.next(q)), size["Classes"]
+    changing.cancel()
+    none = [
+        (label, 0, label == step - 1, 0 if label == step - 1 else None, twin.ABSENT) for label in range(step)
+    ]
+    found = [got[at : at + step] for at in range(0, len(got), step)]
+    wrong = [(at, one) for at, one in enumerate(found) if one not in (none, expected[at * step :][:step])]
+    assert not wrong, wrong[:9]
+    assert 5 < found.count(none) < len(q) - 5
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def reports_that_there_is_no_forest(dut):
     """After a reset, with and without a swap, and with a forest of no trees."""
@@ -393,7 +422,8 @@ class Memory:
         self.ready, self.doubled = ready, doubled
         self.words = [{}, {}]  # of each bank: {engine: {address: word}}
         self.waiting = [[] for _ in range(dut.Engines.value.to_unsigned())]
-        self.asked, self.held = 0, lambda number, engine: 0  # further clocks for the request of this number
+        self.clock, self.asked = 0, 0
+        self.held = lambda number, engine: 0  # further clocks for the request of this number
         self.running = cocotb.start_soon(self.run())
 
     def load(self, bank, table):
@@ -405,13 +435,12 @@ class Memory:
         dut, draw = self.dut, self.draw
         engines = len(self.waiting)
         address_bits, tag_bits = len(dut.req_address_o) // engines, len(dut.req_tag_o) // engines
-        clock = 0
         while True:
             ready = sum((draw.random() < self.ready) << engine for engine in range(engines))
             dut.req_ready_i.value = ready
             valid, tags, data = 0, 0, 0
             for engine, pending in enumerate(self.waiting):
-                due = [entry for entry in pending if entry[0] <= clock]
+                due = [entry for entry in pending if entry[0] <= self.clock]
                 due = [entry for entry in due if entry[0] < 0] or due
                 tag, word = draw.getrandbits(tag_bits), draw.getrandbits(64)
                 if due:
@@ -431,11 +460,11 @@ class Memory:
                     address = bench.lane_values(bench.read(dut.req_address_o), engines, address_bits)[engine]
                     tag = bench.lane_values(bench.read(dut.req_tag_o), engines, tag_bits)[engine]
                     word = self.words[bank].get((engine, address), draw.getrandbits(64))
-                    due = clock + self.latency() + self.held(self.asked, engine)
+                    due = self.clock + self.latency() + self.held(self.asked, engine)
                     pending.append((due, tag, word))
                     self.asked += 1
             await RisingEdge(dut.clk_i)
-            clock += 1
+            self.clock += 1
 
 
 def outside(dut):
@@ -509,7 +538,9 @@ async def reports_a_memory_that_answers_late_or_never(dut):
         await check(dut, model, q)
         memory.held = held(late, memory.asked + 2, 10**9)
         got = await ask(dut, q)
-        assert got[-classes:] == lost
+        await bench.clocks(dut, limit)
+        begun = memory.clock
+        assert got[-classes:] == lost == await ask(dut, q[:1]) and memory.clock - begun < limit  # at once
         await bench.clocks(dut, 17 * limit)
         await check(dut, model, q)
         memory.running.cancel()
