@@ -116,7 +116,7 @@ module msn_forest #(
   logic                 reads, asks, advance, better, leaves_last;
   logic [ClassBits-1:0] asked;
   logic [Engines:0]     valid_at;
-  logic [ClassBits-1:0] class_at [Engines+1];
+  logic [Engines:0][ClassBits-1:0] class_at;  // in one piece, so that netlists keep its names
   logic [31:0]          sum_at [Engines+1];
   logic [31:0]          total, best;
   logic [2:0]           errors [Contexts];

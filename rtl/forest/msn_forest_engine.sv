@@ -333,7 +333,7 @@ module msn_forest_engine #(
   // A decision is done when each of its trees is in the sums. A leaf on top of them would be taken for one of the next
   // decision, whose last leaf for one of the next, and so on: votes that are wrong for ever.
   localparam int unsigned QuietBits = $clog2(Patience);
-  logic [TreeBits-1:0]  voted [Contexts];
+  logic [Contexts-1:0][TreeBits-1:0] voted;  // in one piece, so that netlists keep its names
   logic [QuietBits-1:0] quiet;
   logic                 works, waits_too_long, foreign, twice;
   logic [Contexts-1:0]  full;

@@ -439,7 +439,7 @@ async def nothing_else(played, votes, root):
 
 
 EVIDENCE = {
-    "equivalence": {"size": {"Walkers": 5}},
+    "equivalence": {"boxes": True},
     "faults": {"inside": ["forest", "gen_engine[0].u_engine."]},
 }
 
