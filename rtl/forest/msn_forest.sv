@@ -116,8 +116,8 @@ module msn_forest #(
   logic                 reads, asks, advance, better, leaves_last;
   logic [ClassBits-1:0] asked;
   logic [Engines:0]     valid_at;
-  logic [Engines:0][ClassBits-1:0] class_at;  // in one piece, so that netlists keep its names
-  logic [31:0]          sum_at [Engines+1];
+  logic [Engines:0][ClassBits-1:0] class_at;  // these two in one piece, so that netlists keep their names
+  logic [Engines:0][31:0] sum_at;
   logic [31:0]          total, best;
   logic [2:0]           errors [Contexts];
   assign sum_at[0]   = '0;
