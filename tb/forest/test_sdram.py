@@ -176,7 +176,7 @@ async def clocks_a_word(dut, kind):
     """At most 4.15 clocks for 32 random reads in flight or if banks take turns, 4.2 for 16; refreshes
     included."""
     model = await up(dut)
-    addresses = random_addresses(4000)
+    addresses = random_addresses(2000)
     if kind == "turns":
         addresses = [number % 4 << 20 | address % (1 << 20) for number, address in enumerate(addresses)]
     fill(model, addresses)
