@@ -144,7 +144,7 @@ async def reads_what_was_loaded(dut, end):
 @cocotb.parametrize(gap=[0.0, 0.7], flight=[None, 1])
 async def reads_at_random(dut, gap, flight):
     model = await up(dut)
-    addresses = random_addresses(300)
+    addresses = random_addresses(bench.rounds(300))
     fill(model, addresses)
     await read(dut, addresses, flight, gap)
 
