@@ -418,6 +418,9 @@ def test_view_of_pins():
     shown.tick(6e9)
     assert shown.pins.picture(None, replace(centre, x=0.999, y=-1.0)) == ["      ", "    ██"]  # electrodes
     assert shown.pins.picture(None, None) == []
+    taken = [shown.pins.take(each) for each in (centre, shown.image, lifted, shown.image)]
+    assert [taken[0].tolist(), taken[1].tolist()] == [[[2, 0, 0], [0, 0, 0]], [[2, 1, 1], [2, 2, 0]]]
+    assert taken[2] is None and taken[3].tolist() == [[0, 1, 1], [2, 2, 2]]
     words = [("display.levels", 0xFF0201), ("display.levels", 0x1_050400)]
     with pytest.raises(ValueError, match=r"display\.source = 0"):
         host.Core.show(core, [[1, 2, 255], [0, 4, 5]])

@@ -56,6 +56,8 @@ class Pins:
 
     def __init__(self, core: Core) -> None:
         self.core, self.told = core, ""
+        self.cop: packets.CopFrame | None = None  # the newest
+        self.images = False  # four electrodes send none
         self.grid = core["display.size.rows"], core["display.size.columns"]
         self.bits = core["display.size.bits"]
         self.read()
@@ -85,6 +87,14 @@ class Pins:
         on = (levels > 0) & self.running
         on &= np.cumsum(on).reshape(on.shape) <= self.most
         return np.where(on, np.minimum(levels, self.top), 0)
+
+    def take(self, item: packets.CopFrame | packets.Image) -> NDArray[Any] | None:
+        """The pins of the frame that a packet begins: an image, or without any a centre of pressure."""
+        if isinstance(item, packets.CopFrame):
+            self.cop = item
+            return None if self.images else self.levels(None, item)
+        self.images = True
+        return self.levels(item, self.cop)
 
     def picture(self, image: packets.Image | None, cop: packets.CopFrame | None) -> list[str]:
         levels = self.levels(image, cop)

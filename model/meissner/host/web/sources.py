@@ -117,7 +117,6 @@ class OfCore:
         if "shear_speed" in core.features:
             self._read += speeds
         self._display = pins_of(core)
-        self._cop: packets.CopFrame | None = None  # the newest
         settings = []
         for name in self._settings:
             least, most = core.check(name).ends(core.build)
@@ -167,12 +166,8 @@ class OfCore:
         for item in core.packets(PERIOD_S):
             self.log.add(item)
             again |= isinstance(item, packets.Gap)
-            if isinstance(item, packets.CopFrame):
-                self._cop = item
-            framed = packets.CopFrame if "cop4" in core.features else packets.Image
-            if self._display is not None and isinstance(item, framed):
-                image = item if isinstance(item, packets.Image) else None
-                levels = self._display.levels(image, self._cop)
+            if self._display is not None and isinstance(item, packets.CopFrame | packets.Image):
+                levels = self._display.take(item)
                 if levels is not None:
                     shown = Pins(
                         item.time, item.time_s, levels.astype(np.uint8), (1 << self._display.bits) - 1
