@@ -69,7 +69,7 @@ picture: demo  ## update README's pictures: docs/acrylic_slip.png, and of the li
 
 test:  ## run lint, the twins' tests and all cocotb regressions
 	@$(MAKE) --no-print-directory -j 2 $(FORMAL) lint
-	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
+	@MEISSNER_SHARE=3 $(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
 
 test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes, more builds, netlists
 	@MEISSNER_COCOTB=plain $(BIN)/python -m pytest -n $(JOBS) --timeout 7200 -o faulthandler_timeout=7260 -m "long or big"

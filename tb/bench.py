@@ -24,6 +24,7 @@ from harness.stimulus import (
     marks,
     pauses,
     placed,
+    rounds,
     time,
     unnumbered,
     width,

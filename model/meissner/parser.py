@@ -620,7 +620,7 @@ def _config(commands):
     new.add_argument("--pins", metavar="MxN", help="display: rows x columns of pins (5x20)")
     new.add_argument("--rate", metavar="HZ", help="frames a second, or max (10000, of an array max)")
     new.add_argument(
-        "--board", metavar="BOARD", help="its clock and pins; docs/boards.md (icebreaker, ulx3s)"
+        "--board", metavar="BOARD", help="its clock and pins; docs/boards.md (icebreaker, ulx3s; or none)"
     )
     _out(new, "FILE.toml", "the file to write", required=True)
     new.set_defaults(call="meissner.builds.new_config:command")

@@ -58,7 +58,7 @@ async def matches_model(dut):
 
 @bench.applies(lambda dut: steps(dut) == 65535)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
-@cocotb.parametrize(word=[65535, 65534, 40000, 1, 0])
+@cocotb.parametrize(word=[65535, 40000, 0])
 async def a_whole_period_of_16_bits(dut, word):
     """65535 clocks, of which the first ``word`` are high; the next period follows immediately."""
     await bench.start(dut, **QUIET)

@@ -62,7 +62,7 @@ FIELDS = ["quotient~", "side"]
 @cocotb.parametrize(stall_rate=[0.0, 0.5])
 async def matches_model(dut, stall_rate):
     den_bits, fraction_bits, _ = parameters(dut)
-    pairs = cases(np.random.default_rng(bench.SEED), den_bits, fraction_bits, 400)
+    pairs = cases(np.random.default_rng(bench.SEED), den_bits, fraction_bits, bench.rounds(400))
     await bench.start(dut)
     pauses = bench.gaps_and_stalls(stall_rate)
     assert await bench.stream(dut, beats_of(pairs), FIELDS, *pauses) == expected_of(pairs, fraction_bits)

@@ -41,7 +41,7 @@ async def matches_model(dut, pause_rate):
             await write(bank, word, (1 << parts) - 1)
             await bench.RisingEdge(dut.clk_i)
     dut.write_i.value = 0
-    for _ in range(30):
+    for _ in range(bench.rounds(30)):
         bank = draw.randrange(banks)
         dut.restart_i.value, dut.bank_i.value = 1, bank
         twin.restart(bank)

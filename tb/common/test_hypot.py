@@ -54,7 +54,7 @@ def expected_of(pairs, exact):
 @cocotb.parametrize(stall_rate=[0.0, 0.5])
 async def matches_model(dut, stall_rate):
     bits, exact = parameters(dut)
-    pairs = cases(np.random.default_rng(bench.SEED), bits, 300)
+    pairs = cases(np.random.default_rng(bench.SEED), bits, bench.rounds(300))
     await bench.start(dut)
     pauses = bench.gaps_and_stalls(stall_rate)
     got = await bench.stream(dut, beats_of(pairs), ["root"], *pauses, drain=3 * bits + 9)

@@ -32,8 +32,9 @@ async def matches_model(dut, rest_rate):
     bench.Clock(dut.clk_i, 10, unit="ns").start()
     reads = 0
     # every word written and read in order, the ends in the other order, then any
-    order = [*range(words), *[draw.randrange(words) for _ in range(500)]]
-    for clock, place in enumerate(order + order[::-1] + [draw.randrange(words) for _ in range(1000)]):
+    order = [*range(words), *[draw.randrange(words) for _ in range(bench.rounds(500))]]
+    places = order + order[::-1] + [draw.randrange(words) for _ in range(bench.rounds(1000))]
+    for clock, place in enumerate(places):
         write = None
         if clock < len(order) or draw.random() < 0.5:
             write = (place if clock < len(order) else draw.randrange(words), draw.getrandbits(width))

@@ -78,7 +78,7 @@ def ports(registers):
 @cocotb.parametrize(stall_rate=[0.0, 0.5], which=range(len(SETS)))
 async def matches_model(dut, stall_rate, which):
     lag, registers = dut.Lag.value.to_unsigned(), SETS[which]
-    samples = samples_of(np.random.default_rng(bench.SEED + which), lag, registers, 60)
+    samples = samples_of(np.random.default_rng(bench.SEED + which), lag, registers, bench.rounds(60))
     await bench.start(dut, **ports(registers))
     pauses = bench.gaps_and_stalls(stall_rate)
     expected = expected_of(samples, lag, registers)

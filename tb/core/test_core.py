@@ -638,7 +638,7 @@ async def a_lost_result_is_given_up_after_511_clocks(dut):
     assert busy == 511
 
 
-@bench.applies(lambda dut: case_of(dut)[0] == "electrodes")
+@bench.applies(lambda dut: case_of(dut)[0] == "electrodes", long=True)
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def what_a_host_does_not_take_is_counted(dut):
     """Every conversion gives a CoP frame, or is counted as dropped, timed out or replaced."""

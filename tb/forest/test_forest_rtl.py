@@ -45,7 +45,7 @@ def votes_of_leaves(model, x):
         (WINE, ExtraTreesClassifier(100, max_depth=100, random_state=0), 8),
         (WINE, DecisionTreeClassifier(max_leaf_nodes=7, random_state=4), 3),
     ],
-    ids=repr,
+    ids=["iris", "wine, one engine", "wine, eight engines", "wine, one tree"],
 )
 def test_every_row_of_known_data(data, model, engines):
     x, y = data

@@ -410,6 +410,11 @@ def test_other_models_are_refused(tmp_path):
                 meissner.Forest.from_file(tmp_path / "m.onnx")
         else:
             assert len(meissner.Forest.from_file(tmp_path / "m.onnx").model.trees) == 1
+    model = RandomForestClassifier(2).fit(X, two)
+    for more in ("decision_path", "decision_leaf"):
+        onnx_of(tmp_path / "m.onnx", model, options={id(model): {more: True, "zipmap": False}})
+        with pytest.raises(ValueError, match=f"also gives '{more}', which the core does not"):
+            meissner.Forest.from_file(tmp_path / "m.onnx")
     for model, says in (
         (RandomForestClassifier(), "the RandomForestClassifier is not fitted"),
         (DecisionTreeClassifier().fit(X, np.c_[Y, Y]), "has 2 outputs"),

@@ -147,7 +147,7 @@ async def reads_what_was_loaded(dut, end):
 @cocotb.parametrize(gap=[0.0, 0.7], flight=[None, 1])
 async def reads_at_random(dut, gap, flight):
     model = await up(dut)
-    addresses = random_addresses(300)
+    addresses = random_addresses(bench.rounds(300))
     fill(model, addresses)
     await read(dut, addresses, flight, gap)
 
@@ -179,7 +179,7 @@ async def clocks_a_word(dut, kind):
     """At most 4.15 clocks for 32 random reads in flight or if banks take turns, 4.2 for 16; refreshes
     included."""
     model = await up(dut)
-    addresses = random_addresses(4000)
+    addresses = random_addresses(2000)
     if kind == "turns":
         addresses = [number % 4 << 20 | address % (1 << 20) for number, address in enumerate(addresses)]
     fill(model, addresses)

@@ -140,7 +140,7 @@ def turned(faults):
 async def matches_model(dut):
     bits, draw = dut.SampleBits.value.to_unsigned(), random.Random(bench.SEED)
     Clock(dut.clk_i, 10, unit="ns").start()
-    for _ in range(60):
+    for _ in range(bench.rounds(60)):
         limits = limits_of(draw, bits)
         members.Settings(dut, "health_cfg", **members.limits(limits))
         await bench.clocks(dut, 3)

@@ -288,7 +288,7 @@ async def orders_and_rates(dut):
     """Random registers of every kind, with followers of every kind."""
     draw = random.Random(bench.SEED)
     twin = twin_of(dut)
-    for number in range(24):
+    for number in range(bench.rounds(24)):
         settings = random_settings(draw, twin)
         # Early and late ticks: test_scan_plan. Here frames are back to back, or there is only one.
         period = draw.getrandbits(twin.period_bits) | 1 << 16 if number % 5 == 4 else 0

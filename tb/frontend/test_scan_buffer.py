@@ -102,7 +102,7 @@ async def matches_model(dut, consumer):
     await start(dut)
     run = Bench(dut, stalls(consumer, draw))
     expected, dropped = [], 0
-    for number in range(80):
+    for number in range(bench.rounds(80)):
         frame = random_frame(draw, twin)
         data = frame[0]
         gaps = draw.choice([0.0, 0.3, 0.9])

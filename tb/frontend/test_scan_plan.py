@@ -108,7 +108,7 @@ async def counts_on_from_any_value(dut):
 async def matches_model(dut):
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
-    for number in range(60):
+    for number in range(bench.rounds(60)):
         settings = random_settings(draw, plan)
         if number % 3 == 2:  # periods of any length
             settings = replace(settings, period=draw.getrandbits(plan.period_bits))

@@ -8,6 +8,12 @@ import numpy as np
 from meissner.twins.common.frames import FrameMarker
 
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
+SHARE = int(os.environ.get("MEISSNER_SHARE", "1"))  # `make test` draws a third of the random rounds
+
+
+def rounds(count):
+    """How many of ``count`` random rounds a test draws: the first ones."""
+    return -(-count // SHARE)
 
 
 def pauses(rate, role):

@@ -9,6 +9,7 @@ import re
 import signal
 import termios
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -371,7 +372,7 @@ def test_view_of_pins():
     from rich.console import Console
 
     state = {"size.rows": 2, "size.columns": 3, "size.bits": 2, "source": 0, "floor": 50, "step": 100}
-    state |= {"top": 255, "most": 4095}
+    state |= {"top": 255, "most": 4095, "marker": 0}
     state["state"], state["size"] = 1 | 1 << 2 | 5 << 8, 2 | 3 << 8 | 2 << 16  # running, limited, five pins
     state["increment"] = round(230 * 2**40 / 25e6)  # of a drive of 230 Hz
 
@@ -396,22 +397,35 @@ def test_view_of_pins():
     assert "; 5 pins on, 230 Hz, limited; " in shown.line()
     taxels = np.array([[49, 50, 149], [150, 250, 9999]], np.uint16)  # levels 0 1 1, 2 3 3
     shown.add(packets.Image(5, None, 1, taxels, None))
-    assert shown.pins.picture(shown.image) == ["  ░░░░", "▓▓████"]
+    centre = packets.CopFrame(6, None, -1.0, 1.0, 9, True, None, None, None)  # of the first pin
+    shown.add(centre)
+    assert shown.pins.picture(shown.image, shown.cop) == ["  ░░░░", "▓▓████"]
     console = Console(width=100, record=True, file=open(os.devnull, "w"))  # noqa: SIM115
     console.print(shown.picture())
     assert "display, 5 pins on, 230 Hz, limited" in console.export_text()
-    for at, more, picture in (
-        (1e9, {"top": 2, "most": 4}, ["  ▒▒▒▒", "████  "]),  # 0 1 1, 2 2 and no more
-        (2e9, {"state": 0}, ["      "] * 2),
+    lifted = replace(centre, pressed=False)
+    for at, more, cop, picture in (
+        (1e9, {"top": 2, "most": 4}, centre, ["  ▒▒▒▒", "████  "]),  # 0 1 1, 2 2 and no more
+        (2e9, {"marker": 1}, centre, ["██▒▒▒▒", "██    "]),  # 3 1 1, 2: within both limits 2 1 1, 2
+        (3e9, {"most": 5}, replace(centre, x=0.0, y=0.0), ["  ▒▒▒▒", "██████"]),
+        (4e9, {}, lifted, ["  ▒▒▒▒", "██████"]),
+        (5e9, {"state": 0}, centre, ["      "] * 2),
     ):
         state |= more
         shown.tick(at)
-        assert shown.pins.picture(shown.image) == picture
+        assert shown.pins.picture(shown.image, cop) == picture
+    state |= {"state": 1}
+    shown.tick(6e9)
+    assert shown.pins.picture(None, replace(centre, x=0.999, y=-1.0)) == ["      ", "    ██"]  # electrodes
+    assert shown.pins.picture(None, None) == []
+    taken = [shown.pins.take(each) for each in (centre, shown.image, lifted, shown.image)]
+    assert [taken[0].tolist(), taken[1].tolist()] == [[[2, 0, 0], [0, 0, 0]], [[2, 1, 1], [2, 2, 0]]]
+    assert taken[2] is None and taken[3].tolist() == [[0, 1, 1], [2, 2, 2]]
     words = [("display.levels", 0xFF0201), ("display.levels", 0x1_050400)]
     with pytest.raises(ValueError, match=r"display\.source = 0"):
         host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
     state |= {"state": 2, "source": 1}
-    shown.tick(3e9)
+    shown.tick(7e9)
     for _ in range(2):  # the first one twice: the end of what another host may have sent a part of
         host.Core.show(core, [[1, 2, 255], [0, 4, 5]])
     assert written == 3 * words
@@ -431,7 +445,9 @@ def test_view_of_pins():
     ):
         with pytest.raises(ValueError, match=what):
             host.Core.show(core, wrong)
-    assert "; off, a fault of the sensor; " in shown.line() and shown.pins.picture(shown.image) == []
+    assert (
+        "; off, a fault of the sensor; " in shown.line() and shown.pins.picture(shown.image, shown.cop) == []
+    )
 
 
 def test_view_of_everything():

@@ -113,6 +113,7 @@ def test_the_smallest_build_for_one_sensor_on_an_icebreaker(tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     made = new("--board", "icebreaker")
     assert made.serial and made.link.slip_only and not made.link.statistics
+    assert new("--board", "none") == new()  # as the question's answer
 
 
 OFFERED = {

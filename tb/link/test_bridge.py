@@ -121,7 +121,8 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "rejected_o", wiggled=["in_valid_i"], again=False, **inputs)
 
 
-@bench.applies(lambda dut: bench.whole(dut) and dut.TimeoutClocks.value == TIMEOUT)
+# A port of the top cannot be put: only where the block is built beside other sizes.
+@bench.applies(lambda dut: bench.whole(dut) and dut.TimeoutClocks.value == TIMEOUT and "." in dut._path)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def counts_on_from_any_value(dut):
     registers = await begin(dut)

@@ -114,7 +114,7 @@ async def matches_model(dut, gap, slow):
     rng = np.random.default_rng(bench.SEED)
     twin = await begin(dut)
     taxels, _ = sizes(dut)
-    count = 24 if taxels < 20 else 6
+    count = bench.rounds(24 if taxels < 20 else 6)
     reader = Reader(dut, twin, rng, slow)
     sent = [image_of(rng, taxels) for _ in range(count)]
     await reader.follow([beat for image in sent for beat in image], gap)

@@ -116,7 +116,7 @@ async def answers_every_address(dut):
 async def matches_model_on_random_accesses(dut):
     twin, status, draw = await begin(dut)
     known = [register.address for group in GROUPS for register in group.registers]
-    for count in range(2000):
+    for count in range(bench.rounds(2000)):
         if count % 100 == 0:
             for key, field in ((key, field) for *key, field in keys("status")):
                 status[*key, field.name] ^= draw.choice((field.most, draw.randrange(field.most + 1)))

@@ -287,7 +287,8 @@ def story(rng, size, windows):
 async def matches_model(dut, stall_rate):
     size = size_of(dut)
     rng = np.random.default_rng(bench.SEED)
-    windows = 400 if size.window_log2 < 4 or size.settle_log2 > 3 else 130  # a long rest takes many
+    long_rest = size.window_log2 >= 4 and size.settle_log2 <= 3  # it takes many clocks
+    windows = 130 if long_rest else bench.rounds(400)
     seen = 0
     for given in ({}, {"n": 0.5, "k1": 0.11, "limit": 0.2, "travel": 0.6e-5 * (1 << size.window_log2)}):
         settings = settings_of(size, **given)
@@ -308,7 +309,7 @@ async def matches_model_whatever_is_set(dut):
     rng, length = np.random.default_rng(bench.SEED), 1 << size.window_log2
     low, high = bench.width(size.sample_bits)
     await begin(dut, HAND)
-    for _ in range(12 if length < 16 else 3):
+    for _ in range(bench.rounds(12) if length < 16 else 3):
         settings = any_settings(rng, size)
         put(dut, settings)
         places = rng.choice(
@@ -330,7 +331,7 @@ async def matches_model_where_comparisons_are_met(dut):
     rng = np.random.default_rng(bench.SEED)
     await begin(dut, HAND)
     met = dict.fromkeys(("limit", "vi_min", "vi_max", "noise"), 0)
-    while min(met.values()) < 4:
+    while min(met.values()) < bench.rounds(4):
         share, n = ((1, 0.5), (4, 1.0), (8, 1.0), (12, 1.0))[int(rng.integers(4))]
         open_ = settings_of(size, k0=1.55 / share, k1=-0.27 / share, n=n, travel=0.0)
         open_ = replace(open_, limit=(1 << size.speed_bits) - 1)

@@ -111,6 +111,8 @@ def _answers(given: Namespace) -> dict[str, Any]:
     if sensor != "none":
         found["rate"] = of("rate", "frames a second, or max", "max" if sensor == "array" else "10000")
     found["board"] = of("board", f"board: {', '.join(EVERY)}, or none", None)
+    if found["board"] == "none":
+        found["board"] = None
     if found["board"] is not None:
         one_of("board", found["board"], EVERY)
     for name in OPTIONS & set(options):

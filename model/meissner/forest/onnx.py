@@ -75,6 +75,10 @@ def _ensemble(graph):
     """(attributes, name of the input) of the graph's only ensemble."""
     import onnx
 
+    kinds = [node.op_type for node in graph.node]
+    more = [each.name for each in graph.output[2:]]
+    if more and "TreeEnsembleClassifier" in kinds and "TreeEnsembleRegressor" in kinds:
+        raise ValueError(f"it also gives {more[0]!r:.40}, which the core does not; export it without that")
     for node in graph.node:
         if node.op_type == "TreeEnsembleRegressor":
             raise ValueError(f"a {node.op_type} decides no class; {_BOOSTED}")

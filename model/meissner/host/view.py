@@ -12,7 +12,7 @@ from meissner.host import packets
 from meissner.host.core import Core, NoAnswer
 from meissner.host.names import place
 from meissner.twins.actuate.pin_display import PHASE_BITS
-from meissner.twins.actuate.render import Render, RenderSettings
+from meissner.twins.actuate.render import UNIT, Render, RenderSettings
 from meissner.twins.core import OF_LOAD
 from meissner.twins.slip.slip import State
 
@@ -56,6 +56,8 @@ class Pins:
 
     def __init__(self, core: Core) -> None:
         self.core, self.told = core, ""
+        self.cop: packets.CopFrame | None = None  # the newest
+        self.images = False  # four electrodes send none
         self.grid = core["display.size.rows"], core["display.size.columns"]
         self.bits = core["display.size.bits"]
         self.read()
@@ -67,27 +69,35 @@ class Pins:
         running, fault, limited, pins = (place(f"display.state.{name}").value(state) for name in names)
         self.host, self.running = bool(core["display.source"]), bool(running)
         self.top, self.most = core["display.top"], core["display.most"]
-        self.render = Render(
-            None, self.grid, self.bits, RenderSettings(core["display.floor"], core["display.step"])
-        )
+        settings = (core[f"display.{name}"] for name in ("floor", "step", "marker"))
+        self.render = Render(None, self.grid, self.bits, RenderSettings(*settings))
         hertz = core["display.increment"] * 1000 * (core.units.clk_khz or 0) / (1 << PHASE_BITS)
         drive = f", {hertz:.3g} Hz" if hertz else ""
         self.told = f"{pins} pin{'s' * (pins != 1)} on{drive}" if running else "off"
         self.told += ", a fault of the sensor" * fault + ", limited" * limited
 
-    def levels(self, image: packets.Image | None) -> NDArray[Any] | None:
-        """The pins for an image of the core, as it makes them, while it drives pins, within ``top`` and
-        ``most``; of a host's frames and slips it has none."""
-        if image is None or self.host:
+    def levels(self, image: packets.Image | None, cop: packets.CopFrame | None) -> NDArray[Any] | None:
+        """The pins for an image of the core and the newest centre of pressure, as it makes them, while it
+        drives pins, within ``top`` and ``most``; of a host's frames and slips it has none."""
+        if self.host or (image is None and (cop is None or not self.render.settings.marker)):
             return None
-        self.render.shape = image.taxels.shape
-        levels = self.render.next(image.taxels)
+        self.render.shape = None if image is None else image.taxels.shape
+        at = (round(UNIT * cop.x), round(UNIT * cop.y)) if cop is not None and cop.pressed else None
+        levels = self.render.next(None if image is None else image.taxels, cop=at)
         on = (levels > 0) & self.running
         on &= np.cumsum(on).reshape(on.shape) <= self.most
         return np.where(on, np.minimum(levels, self.top), 0)
 
-    def picture(self, image: packets.Image | None) -> list[str]:
-        levels = self.levels(image)
+    def take(self, item: packets.CopFrame | packets.Image) -> NDArray[Any] | None:
+        """The pins of the frame that a packet begins: an image, or without any a centre of pressure."""
+        if isinstance(item, packets.CopFrame):
+            self.cop = item
+            return None if self.images else self.levels(None, item)
+        self.images = True
+        return self.levels(item, self.cop)
+
+    def picture(self, image: packets.Image | None, cop: packets.CopFrame | None) -> list[str]:
+        levels = self.levels(image, cop)
         return [] if levels is None else heat_map(levels)
 
 
@@ -245,7 +255,7 @@ class View:
             title = f"image {self.image.number}, {rows}×{columns}, largest {self.image.taxels.max()}"
             parts.append(Panel(Text(shown), title=title))
         if self.pins:
-            shown = "\n".join(self.pins.picture(self.image))
+            shown = "\n".join(self.pins.picture(self.image, self.cop))
             parts.append(Panel(Text(shown), title=f"display, {self.pins.told}"))
         faulty = {taxel: faults for taxel, faults in self.health.items() if faults}
         if faulty:

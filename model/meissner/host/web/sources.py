@@ -166,8 +166,8 @@ class OfCore:
         for item in core.packets(PERIOD_S):
             self.log.add(item)
             again |= isinstance(item, packets.Gap)
-            if isinstance(item, packets.Image) and self._display is not None:
-                levels = self._display.levels(item)
+            if self._display is not None and isinstance(item, packets.CopFrame | packets.Image):
+                levels = self._display.take(item)
                 if levels is not None:
                     shown = Pins(
                         item.time, item.time_s, levels.astype(np.uint8), (1 << self._display.bits) - 1

@@ -58,7 +58,7 @@ class DisplaySize:
             raise ValueError(
                 f"amplitude_bits = {self.amplitude_bits}: a slot of {self.slot_clocks} clocks at "
                 f"{self.max_hz} Hz must be at least {self.lead + 8}, a load of {self.pins} pins in "
-                f"{self.chains} chains"
+                f"{self.chains} chain{'s' * (self.chains > 1)}"
             )
         if self.ticks * self.tick_clocks * self.min_hz < 1000 * self.clk_khz:
             raise ValueError(f"ticks = {self.ticks} must last a drive period at {self.min_hz} Hz or longer")
