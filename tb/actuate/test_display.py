@@ -4,6 +4,7 @@ sensor, damaged frames of a host, a slip's octant. The model's words by hand."""
 import random
 import re
 from itertools import pairwise
+from operator import attrgetter
 
 import cocotb
 import numpy as np
@@ -166,6 +167,56 @@ async def each_setting_of_the_drive_counts(dut):
 
 
 @felt
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def each_bit_has_its_wire(dut):
+    """Random settings and samples at the ports of the blocks inside, whose own tests show what they do there;
+    of a host's frame every level; each bit of health's counters is a fault."""
+    here, draw = await Bench().start(dut), random.Random(bench.SEED)
+    pins, render = (attrgetter(path)(dut) for path in ("gen_display.u_pins", "gen_display.u_render"))
+    drive = ("enable", "increment", "burst_period", "burst_on", "top", "most", "duty", "watchdog", "stop")
+    for _ in range(40):
+        cfg, cop, data = (draw.getrandbits(len(port)) for port in (dut.cfg_i, dut.cop_i, dut.image_data_i))
+        dut.cfg_i.value, dut.cop_i.value, dut.image_data_i.value = cfg, cop, data
+        set_, felt_at = members.of("display_cfg", cfg), members.of("cop", cop)
+        for port in (lines := (dut.image_valid_i, dut.image_last_i, dut.cop_valid_i, dut.slip_i)):
+            port.value = draw.getrandbits(1)
+        await bench.ReadOnly()
+        wanted = {(pins, f"cfg_{name}_i"): set_[name] for name in drive}
+        wanted |= {(render, f"cfg_{name}_i"): set_[name] for name in ("floor", "step", "marker", "cue")}
+        wanted |= {(render, f"cop_{name}_i"): felt_at[name] & 0xFFFF for name in "xy"}
+        wanted |= {(render, "octant_i"): set_["octant"], (render, "cop_pressed_i"): felt_at["pressed"]}
+        wanted |= {(render, "in_data_i"): data}
+        names = ("in_valid_i", "in_last_i", "cop_valid_i", "slip_i")
+        wanted |= {(render, name): bench.read(port) for name, port in zip(names, lines)}
+        for (block, name), value in wanted.items():
+            assert bench.read(getattr(block, name)) == value, name
+        await bench.RisingEdge(dut.clk_i)
+    for name, value in ({"cfg_i": word()} | QUIET).items():
+        getattr(dut, name).value = value
+    await bench.reset(dut)
+    counters = ("health_dead", "health_railed", "health_blinking")
+    for name, bit in ((n, k) for n in counters for k in range(members.PLACES["status"][n][1])):
+        dut.sensor_i.value = 1 << members.PLACES["status"][name][0] + bit
+        await bench.ReadOnly()
+        assert here.status["state_fault"] == 1, (name, bit)
+        await bench.RisingEdge(dut.clk_i)
+        dut.sensor_i.value = 0
+        await bench.ReadOnly()
+        assert here.status["state_fault"] == 0
+        await bench.RisingEdge(dut.clk_i)
+    for _ in range(12):
+        levels, got = [[draw.getrandbits(8) for _ in range(GRID[1])] for _ in range(GRID[0])], []
+        sent = cocotb.start_soon(here.host(levels))
+        while len(got) < GRID[0] * GRID[1]:
+            await bench.ReadOnly()
+            if bench.high(pins.in_valid_i):
+                got.append((bench.read(pins.in_data_i), bench.high(pins.in_last_i)))
+            await bench.RisingEdge(dut.clk_i)
+        assert got == [(level, at == 9) for at, level in enumerate(np.ravel(levels).tolist())]
+        await sent
+
+
+@felt
 @cocotb.test(timeout_time=9, timeout_unit="ms")
 async def a_centre_of_pressure_is_marked_and_a_slip_moves_by_the_register(dut):
     here = await Bench().start(dut, render=RenderSettings(1, 0, 1, 1), octant=6)
@@ -250,6 +301,7 @@ async def rests_in_reset(dut):
 
 EVIDENCE = {
     "equivalence": {"boxes": True},
+    "mutants": {"sets": [0], "unsolved": True},  # the other build has one test, of stripes
     "faults": {
         "none": "render, pin_display, fifo and width_converter, each done alone; its own upsets last for "
         "a clock, a host's frame, or until a slip begins"
@@ -260,7 +312,8 @@ EVIDENCE = {
 @pytest.mark.parametrize("sensor", [{}, {"Image": 0, "Directed": 1}], ids=("array", "electrodes"))
 def test_display(sensor):
     size = {"Rows": SHAPE[0], "Columns": SHAPE[1], "PinRows": GRID[0], "PinColumns": GRID[1]}
-    bench.run("actuate", "display", size | {"AmplitudeBits": 2, "ClkKhz": 4000} | sensor)
+    size |= {"AmplitudeBits": 2, "ClkKhz": 4000}
+    bench.run("actuate", "display", size | sensor, inside=("msn_pin_display", "msn_render"))
 
 
 def test_refuses_illegal_parameters():

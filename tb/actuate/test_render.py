@@ -81,27 +81,36 @@ def settings_in(dut, settings):
         getattr(dut, f"cfg_{name}_i").value = value
 
 
+def overlapped(taxels, pins):
+    """By how many taxels of a row each of its pins is touched."""
+    meet = lambda i, r: r * pins < (i + 1) * taxels and (r + 1) * pins > i * taxels
+    return np.array([sum(meet(i, r) for r in range(taxels)) for i in range(pins)])
+
+
 def by_the_page(image, shape, grid, bits, settings, cop):
+    """(levels, clocks of the frame): a taxel a clock, 6 and one a level for each pin; without an image one a
+    pin."""
     highest = (1 << bits) - 1
-    levels = np.zeros(grid, dtype=int)
+    levels, clocks = np.zeros(grid, dtype=int), 1 + grid[0] * grid[1]
     if shape is not None:
         means = averages(image.tolist(), *grid)
         levels = np.array(
             [[level_of(m, settings.floor, settings.step, highest) for m in row] for row in means]
         )
+        high, wide = (overlapped(*each) for each in zip(shape, grid))
+        clocks = 2 + int((np.outer(high, wide) + 6 + levels).sum())
     if settings.marker and cop is not None:
         right, down = (16384 + cop[0]) / 32768, (16384 - cop[1]) / 32768
         levels[min(int(down * grid[0]), grid[0] - 1), min(int(right * grid[1]), grid[1] - 1)] = highest
-    return levels
+    return levels, clocks
 
 
-def images(draw, shape):
-    kind = draw.randrange(5)
-    cells = [
-        draw.choice([(0, 0), (65535, 65535), (0, 65535), (900, 1100), (1000, 1000)][kind : kind + 1])
-        for _ in range(shape[0] * shape[1])
-    ]
-    return np.reshape([draw.randint(*ends) for ends in cells], shape)
+def images(draw, shape, settings, top):
+    """One of a random kind; half of them have taxels of all levels, and some below."""
+    least, most = settings.floor - settings.step - 2, settings.floor + settings.step * (top + 1)
+    ends = [(0, 0), (65535, 65535), (0, 65535), (900, 1100), (1000, 1000)]
+    ends = draw.choice(ends + 5 * [(max(0, least), min(65535, most))])
+    return np.reshape([draw.randint(*ends) for _ in range(shape[0] * shape[1])], shape)
 
 
 CORNERS = [(-16384, 16384), (16384, 16384), (-16384, -16384), (16384, -16384), (0, 0), (16383, -16383), None]
@@ -115,21 +124,24 @@ async def shows_images_and_markers(dut):
     await bench.start(dut, **REST, cfg_floor_i=0, cfg_step_i=0, cfg_marker_i=0, cfg_cue_i=0)
     cases = [(0, 0), (1, 1), (1000, 0), (1000, 10), (65535, 0), (1, 65535)]
     more = 4 if grid[0] * grid[1] > 9 else 60
-    cases += [(draw.getrandbits(draw.randint(1, 16)), draw.getrandbits(13)) for _ in range(more)]
+    cases += [
+        (draw.getrandbits(draw.randint(1, 16)), draw.getrandbits(draw.randint(1, 13))) for _ in range(more)
+    ]
     places = [*CORNERS, *((draw.randint(-16384, 16384), draw.randint(-16384, 16384)) for _ in range(more))]
     for n, (floor, step) in enumerate(cases):
         settings = RenderSettings(floor, step, n % 2 if shape else 1)
         settings_in(dut, settings)
         cop = places[n % len(places)]
-        image = images(draw, shape) if shape else None
+        image = images(draw, shape, settings, (1 << bits) - 1) if shape else None
         if shape:
             await cop_in(dut, cop)
             await image_in(dut, image)
         else:
             await cop_in(dut, cop)
         got, clocks = await frame_out(dut, grid)
-        expected = by_the_page(image, shape, grid, bits, settings, cop)
+        expected, spent = by_the_page(image, shape, grid, bits, settings, cop)
         assert got.tolist() == expected.tolist(), settings
+        assert clocks == spent, settings
         twin = Render(shape, grid, bits, settings)
         assert got.tolist() == twin.next(image, cop=cop).tolist()
         assert clocks <= twin.clocks
@@ -156,6 +168,43 @@ async def shows_slip_by_stripes(dut, cue):
             got, _ = await frame_out(dut, grid)
             expected = twin.next(image, octant is not None, octant or 0)
             assert got.tolist() == expected.tolist(), (octant, n)
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def a_pin_begins_where_the_one_before_ends(dut):
+    """The marker of the first place on each pin, and of the last one before it, in a row and a column at
+    once."""
+    shape, grid, _ = sizes(dut)
+    await bench.start(dut, **REST, cfg_floor_i=65535, cfg_step_i=0, cfg_marker_i=1, cfg_cue_i=0)
+    for pin in range(1, max(grid)):
+        pins = [min(pin, side - 1) for side in grid]
+        first = [-(-at * 32768 // side) for at, side in zip(pins, grid)]
+        for before in (0, 1):
+            down, right = (max(at - before, 0) for at in first)
+            await cop_in(dut, (right - 16384, 16384 - down))
+            if shape:
+                await image_in(dut, np.zeros(shape, dtype=int))
+            got, _ = await frame_out(dut, grid)
+            lit = [max(at - before, 0) for at in pins]
+            assert np.argwhere(got).tolist() == [lit], (pin, before)
+
+
+@bench.applies(lambda dut: dut.Image.value.to_unsigned() == 0 or dut.Rows.value.to_unsigned() == 3)
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def stripes_stay_as_many_frames_as_set(dut):
+    """Each bit of the setting; with 0 a slip is not shown."""
+    shape, grid, bits = sizes(dut)
+    await bench.start(dut, **REST, cfg_floor_i=65535, cfg_step_i=0, cfg_marker_i=0, cfg_cue_i=0)
+    recorder.end()  # the settings change
+    for cue in (0, 1, 2, 4, 8, 16, 32, 64, 128):
+        dut.cfg_cue_i.value, dut.octant_i.value = cue, 1
+        for n in (-1, *range(cue + 2)):
+            dut.slip_i.value = n >= 0
+            await (image_in(dut, np.zeros(shape, dtype=int)) if shape else cop_in(dut, None))
+            got, _ = await frame_out(dut, grid)
+            lit = stripes(1, n // cue, *grid) if cue and n >= 0 else set()
+            assert {tuple(pin) for pin in np.argwhere(got == (1 << bits) - 1).tolist()} == lit, (cue, n)
+            assert np.count_nonzero(got) == len(lit)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -208,6 +257,7 @@ async def rests_in_reset(dut):
 
 EVIDENCE = {
     "equivalence": {"boxes": True, "reset_size": {"Image": 0}},
+    "mutants": {"sets": [0, 1]},  # in the third a pin has one taxel, so much of the block has nothing to do
     "faults": {
         "size": {"Image": 1, "Rows": 3, "Columns": 3},
         # Until a slip ends, 18 frames, stripes stay where they are, or a step behind by a lost frame.
@@ -245,7 +295,7 @@ def test_refuses_illegal_parameters():
         Render((2, 3)).next(np.zeros((3, 2)))
 
 
-@pytest.mark.parametrize("shape", [(64, 64), (1, 3), (5, 20), (7, 2)])
+@pytest.mark.parametrize("shape", [(16, 24), (1, 3), (5, 20), (7, 2)])
 @pytest.mark.parametrize("grid", [(5, 20), (7, 5)])
 def test_averages_are_those_of_the_areas(shape, grid):
     image = np.random.default_rng(bench.SEED).integers(0, 65536, shape)

@@ -447,6 +447,37 @@ async def a_forest_is_loaded_while_another_decides(dut):
     assert stage_of == 2 and len(got) > 20 and (None in got) == (size.of["banks"] == 1)
 
 
+@bench.applies(lambda dut: from_frames(dut) and dut.Banks.value.to_unsigned() == 2)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_write_waits_for_a_swap(dut):
+    """A swap waits for the decision under way, and the write after it for the swap: it goes to the bank that
+    is left. Here it says that this has no trees, as the next swap shows."""
+    stage = await Stage(dut).begin()
+    size, draw = stage.size, random.Random(bench.SEED + 9)
+    for swap in (True, False):
+        await stage.load(size.drawn(draw), swap=swap)
+    for number in range(size.of["features"] // size.of["channels"] + 1):
+        await stage.frame([number] * size.of["channels"], number)
+    await bench.clocks(dut, 14)
+    stage.registers.put(target_kind=3, target_engine=0, data=0, high=0)
+    await stage.pulse(swap=1)
+    await stage.pulse(data_written=1)
+    clocks = 0
+    while (status := stage.status())["state_swapping"]:
+        assert status["written"] == 0
+        await RisingEdge(dut.clk_i)
+        clocks += 1
+    assert clocks > 5
+    await bench.clocks(dut, 3)
+    assert (stage.status()["written"], stage.status()["state_waits"]) == (1, 0)
+    for engine in range(1, size.of["engines"]):
+        await stage.write(3, engine, 0, 0)
+    await stage.swap()
+    await stage.frame([9] * size.of["channels"], 9)
+    await stage.decisions(2)
+    assert (stage.status()["absent"], stage.status()["state_error"]) == (1, 1)
+
+
 def answers_of(given, q):
     """(class, its votes) of rows."""
     return [(label, votes[label]) for votes, label, _ in (decide(given, row) for row in q)]
@@ -668,7 +699,7 @@ async def without_the_feature_samples_pass(dut):
 
 EVIDENCE = {
     "equivalence": {"boxes": True},
-    "mutants": {"sets": [0, 2]},
+    "mutants": {"sets": [0, 2], "unsolved": True},
     "faults": {
         "settle": 9,  # a window, and the rows of msn_forest
         # Changes that wait are merged. The bank in use and the forest in it are kept.

@@ -80,7 +80,9 @@ async def load(dut, model, table):
         await RisingEdge(dut.clk_i)
         if model:
             model.load(kind, engine, address, data)
-    dut.load_valid_i.value = 0
+    dut.load_valid_i.value = 0  # and what waits there now would leave no tree
+    dut.load_kind_i.value, dut.load_engine_i.value = twin.COUNT, 0
+    dut.load_address_i.value, dut.load_data_i.value = 0, 0
 
 
 async def swap(dut, model=None):
@@ -143,6 +145,14 @@ async def noise(dut):
             getattr(dut, name).value = draw.getrandbits(len(getattr(dut, name)))
         await RisingEdge(dut.clk_i)
         assert bench.read(dut.req_valid_o) == 0
+
+
+# Before a reset rows may never end: two contexts are soon full of them, and no further row is looked at.
+@bench.applies(lambda dut: dut.Contexts.value.to_unsigned() > 2)
+@bench.starts_known
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", span=400, **quiet(dut))
 
 
 @bench.applies(inside)
@@ -260,14 +270,11 @@ async def reports_that_there_is_no_forest(dut):
     assert model.next(row).error.tolist() == [1]
 
 
-@bench.applies(inside)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def leaves_out_rows_of_a_wrong_length(dut):
     """Whole rows, one beat too few, one too many, two rows in one, and single beats."""
     size, draw = sizes(dut), random.Random(bench.SEED + 2)
-    await bench.start(dut, **quiet(dut))
-    model, given = twin_of(size), drawn(draw, size)
-    await put(dut, model, given)
+    _, model, _ = await started(dut, draw)
     features, sent = size["Features"], []
     for _ in range(60):
         length = draw.choice([features] * 3 + [features - 1, features + 1, 2 * features, 1, 3 * features + 1])
@@ -323,20 +330,21 @@ async def reports_nodes_and_leaves_that_cannot_be(dut):
             assert twin.BROKEN in seen_, name
 
 
-@bench.applies(inside)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def ignores_loads_of_what_does_not_exist(dut):
     size, draw = sizes(dut), random.Random(bench.SEED + 4)
-    await bench.start(dut, **quiet(dut))
-    model, given = twin_of(size), drawn(draw, size)
+    memory, model, given = await started(dut, draw)
     table, engines = words.loads(given, size["Engines"]), range(size["Engines"], 1 << len(dut.load_engine_i))
     beyond = lambda end, bits: [end, *(1 << bit for bit in range(end.bit_length(), bits))]
     table += [(twin.NODE, 0, address, draw.getrandbits(64)) for address in beyond(size["Nodes"], 32)]
     table += [(twin.ROOT, 0, address, 1) for address in beyond(size["Trees"], 32)]
     table += [(twin.COUNT, 0, 0, count) for count in beyond(size["Trees"] + 1, 32)]
     table += [(twin.VOTE, 0, label << 16, 77) for label in beyond(size["Classes"], 16)]
-    table += [(twin.VOTE, 0, row, 78) for row in beyond(size["Leaves"], 16)]
+    if size["Leaves"] < 65536:
+        table += [(twin.VOTE, 0, row, 78) for row in beyond(size["Leaves"], 16)]
     table += [(kind, engine, 0, 0) for kind in (twin.NODE, twin.ROOT, twin.COUNT) for engine in engines]
+    if memory:
+        memory.load(0, table)
     await load(dut, model, table)
     await swap(dut, model)
     q = rows(draw, given, 10, span_of(size))
@@ -471,13 +479,16 @@ def outside(dut):
     return dut.Outside.value == 1
 
 
-async def started(dut, draw, **how):
-    """(memory, model, forest): a block with a forest in use, behind a memory that answers after ``how``."""
+async def started(dut, draw, latency=lambda: 2, **how):
+    """(memory, model, forest): a block with a forest in use, behind a memory that answers after ``how``; None
+    if that is inside."""
     size = sizes(dut)
     await bench.start(dut, **quiet(dut))
-    memory, model, given = Memory(dut, draw, **how), twin_of(size), drawn(draw, size)
+    memory = Memory(dut, draw, latency, **how) if outside(dut) else None
+    model, given = twin_of(size), drawn(draw, size)
     table = words.loads(given, size["Engines"])
-    memory.load(1, table)
+    if memory:
+        memory.load(1, table)
     await load(dut, model, table)
     await swap(dut, model)
     return memory, model, given
@@ -497,7 +508,10 @@ async def reads_a_memory_that_answers_in_any_order(dut, how):
     memory, model, given = await started(dut, draw, **ways[how])
     q = rows(draw, given, 40, span_of(sizes(dut)))
     await check(dut, model, q, *bench.gaps_and_stalls(0.2))
-    table = loads(sizes(dut), drawn(draw, sizes(dut)), at_end=True)
+    size, full = sizes(dut), {}
+    if how == "at once":  # the memory nearly full: trees of 63 nodes
+        full = {"trees": min(size["Trees"], size["Nodes"] // 63) * size["Engines"], "depth": 6, "stop": 0}
+    table = loads(size, drawn(draw, size, **full), at_end=True)
     memory.load(0, table)
     await load(dut, model, table)
     await swap(dut, model)
@@ -549,6 +563,7 @@ async def reports_a_memory_that_answers_late_or_never(dut):
 
 EVIDENCE = {
     "equivalence": {"boxes": True, "reset_size": {"Nodes": 1}},
+    "mutants": {"sets": [6, 7], "unsolved": True},  # without the nodes, too many bits for the solver
     "faults": {
         "size": {"Banks": 1},
         "short": {"Timeout": 128},

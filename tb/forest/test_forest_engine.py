@@ -381,8 +381,7 @@ async def counts_no_vote_of_what_cannot_be(dut):
         (20, {20: whole(features - 1, 3)}, True), (20, {20: whole(features, 3)}, False),
         (20, {20: whole(255, 3)}, False), (20, {20: right(21), 21: ends}, True), (20, {20: right(20)}, False),
         (20, {20: right(19), 19: ends}, False), (20, {20: right(nodes - 1), nodes - 1: ends}, True),
-        (20, {20: right(nodes), nodes: ends}, False), (20, {20: right(1 << 31 | 21), 21: ends}, False),
-        (20, {20: right(1 << (nodes - 1).bit_length() | 21), 21: ends}, False),
+        (20, {20: right(nodes), nodes: ends}, False),
         (nodes - 1, {nodes - 1: ends}, True),
         (nodes, {nodes: ends}, False), (nodes - 2, {nodes - 2: left(), nodes - 1: ends}, True),
         (nodes - 1, {nodes - 1: left(), nodes: ends}, False), (20, {20: left(features), 21: ends}, False),
@@ -390,6 +389,9 @@ async def counts_no_vote_of_what_cannot_be(dut):
     ]  # fmt: skip
     classes, beyond = parameter(dut, "Classes"), [leaves, *(1 << bit | 3 for bit in range(5, 16))]
     cases += [(20, {20: whole(0, leaf)}, classes == 2) for leaf in beyond]
+    cases += [
+        (20, {20: right(1 << bit | 21), 21: ends}, False) for bit in range((nodes - 1).bit_length(), 32)
+    ]
     draw = random.Random(bench.SEED)
     given = small(draw, dut, 2)
     played = await begin(dut, given, lambda number: 2)
@@ -424,18 +426,18 @@ async def counts_no_vote_of_what_cannot_be(dut):
 async def nothing_else(played, votes, root):
     """Load two trees, at 10 and at ``root``, then what does not exist; whether empty_o follows the number."""
     dut, trees = played.dut, parameter(played.dut, "Trees")
-    told, dut.bank_i.value = [], 1
+    told, beyond, dut.bank_i.value = [], [1 << bit for bit in range(trees.bit_length(), 32)], 1
     await load(dut, [(3, 0, 0, 11), (3, 0, 0, 0)])  # of the other bank
     dut.bank_i.value = 0
-    for count in (0, 11, 2, trees + 1, 1 << 16 | 1):
+    for count in (0, 11, 2, trees + 1, *beyond):
         await load(dut, [(3, 0, 0, count)])
         dut.bank_i.value = 1
         await played.step()
         told.append(bench.read(dut.empty_o))
         dut.bank_i.value = 0
     roots = [(1, 0, 0, 10), (1, 0, 1, root)]
-    await load(dut, [*votes, *roots, (1, 0, trees, 5), (1, 0, 32, 6), (1, 0, 1 << 31 | 1, 7)])
-    return told == [1, 0, 0, 0, 0]
+    await load(dut, [*votes, *roots, (1, 0, trees, 5), *((1, 0, one | 1, 7) for one in beyond)])
+    return told == [1, *[0] * (3 + len(beyond))]
 
 
 EVIDENCE = {

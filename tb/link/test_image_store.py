@@ -186,6 +186,24 @@ async def an_image_begins_as_the_reader_ends(dut):
         assert bench.read(dut.dropped_o) == 3 - len(images)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def two_images_are_dropped_in_a_clock(dut):
+    """An image of one taxel, itself dropped, drops the one that waits, or comes as the one before drops one
+    that was not read."""
+    taxels = dut.Taxels.value.to_unsigned()
+    for begun, left in ((1, 1), (0, 2)):
+        await begin(dut) if begun else await bench.reset(dut)
+        await write(dut, 1, taxels)
+        await bench.clocks(dut, 4)
+        dut.read_begun_i.value = begun
+        await write(dut, 2, taxels)
+        await bench.clocks(dut, 2 * begun)
+        await write(dut, 3, 1)
+        await bench.clocks(dut, 3)
+        assert bench.read(dut.dropped_o) == 2
+        assert await read_image(dut, taxels) == left
+
+
 EVIDENCE = {
     "equivalence": {"size": {"Taxels": 9}},
     "faults": {
