@@ -4,7 +4,7 @@
 // docs/link.md. Waiting packets are sent in this order of priority:
 //
 //   slip          changes of channels' states, from a queue: slip_room_o falls when it is half full, slip_ready_o
-//                 when it is full. After a change that starts no slip the others go first once, after eight of
+//                 when it is full. After a change that starts no slip the others go first once, after seven of
 //                 them an image's packet
 //   answers       of the register bridge, never dropped
 //   states        of all channels on request, up to 128 to a packet; msn_state_report
@@ -183,7 +183,7 @@ module msn_packet #(
       wait_clocks     <= wait_clocks + 1'b1;
       statistic_valid <= (&wait_clocks) || (statistic_valid && !statistic_take);
       counter         <= statistics_i[32*index[msn_pkg::index_width(Statistics)-1:0]+:32];
-      if (statistic_take) index <= (index == 8'(Statistics - 1)) ? '0 : index + 1'b1;
+      if (statistic_take) index <= (index >= 8'(Statistics - 1)) ? '0 : index + 1'b1;
       if (rst_i) begin
         wait_clocks     <= '0;
         statistic_valid <= 1'b0;
