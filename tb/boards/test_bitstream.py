@@ -128,6 +128,19 @@ def test_a_seed_that_does_not_end_is_passed_over(placed, tmp_path):
         bitstream.build(board, "slip1", None, "x", (1, 2), False, 77)
 
 
+def test_three_seeds_are_measured_and_more_until_one_meets_the_clock(placed):
+    asked, packed, results = placed
+    board, found = boards.BOARDS["orangecrab"], [47.1, 47.2, 47.4, 47.98, 48.1, 60.0]
+    for first, tried in ((47.1, 5), (48.0, 3)):
+        results |= {(None, seed): mhz for seed, mhz in enumerate([first, *found[1:]], 1)}
+        made = bitstream.build(board, "slip1", None, "x", range(1, 7), True, 77)
+        assert [seed for _, seed, _ in asked] == [*range(1, tried + 1)] and packed == ["yowasp-ecppack"]
+        assert made["mhz"] == [first, 47.2, 47.4, 47.9, 48.1][:tried] and made["mhz_worst"] == min(
+            first, 47.2
+        )
+        del asked[:], packed[:]
+
+
 def test_a_larger_device_where_one_is_too_small(placed, tmp_path):
     asked, packed, results = placed
     board, mine = boards.BOARDS["ulx3s"], users.write(tmp_path, "two", 25.0)

@@ -18,6 +18,7 @@ from meissner.builds.boards import Board
 from meissner.builds.yowasp import ROOT, ToolError, read_rtl, synthesis, tool, yosys
 
 OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
+MEASURED = 3  # seeds whose clocks are recorded
 LIMIT_S = 1800  # processor time of one place and route; the longest successful one takes a few hundred
 AREA = ("lut", "ff", "bram", "dsp")
 Report = dict[str, Any]  # nextpnr's, as JSON
@@ -162,8 +163,8 @@ def build(
     device : str, optional
         Its name; None: the board's smallest that fits.
     patient : bool
-        Place with every seed, all must succeed; otherwise stop at the first seed that meets the clock and
-        skip seeds that fail.
+        Place with the first MEASURED seeds, all must succeed, and with more until one meets the clock;
+        otherwise stop at the first seed that meets it and skip seeds that fail.
 
     Raises
     ------
@@ -180,6 +181,8 @@ def build(
         [device] if device or not board.devices else [name for name in board.devices if name != "12F"]
     )
     for seed in seeds:
+        if packed and not (patient and len(mhz) < MEASURED):
+            break
         step(f"place and route by nextpnr, seed {seed}", f"{stem}.{seed}.pnr.log")
         try:
             report = _fitting(board, config, sizes, stem, clk_mhz, seed, limit_s)
@@ -198,8 +201,6 @@ def build(
             step("packing the bitstream", f"{stem}.pack.log")
             tool(program, options, f"{stem}.pack.log")
             packed = True
-            if not patient:
-                break
     if not mhz:
         raise failed
     if not packed:
