@@ -6,7 +6,7 @@
     python tools/make/synth.py ulx3s slip1 --device 85F    another device, into ulx3s-slip1-85F/
     python tools/make/synth.py ulx3s mine.toml --pins      only list its pins
     python tools/make/synth.py --list                      list all pairs
-    python tools/make/synth.py --record [BOARD CONFIG]     three seeds or more, into constraints/resources.json
+    python tools/make/synth.py --record [BOARD CONFIG]     three seeds or more, to constraints/resources.json
     python tools/make/synth.py --check [BOARD CONFIG]      the same, but compare with that file
     python tools/make/synth.py --macros arty_a7 CONFIG     only Vivado's input: macros, top, constraints
 
@@ -116,10 +116,8 @@ def tables(kept):
         name = f"{label(board.title.partition(' (')[0], r.get('device'))}, {config}"
         used = " | ".join(str(r[key]) for key in AREA)
         enough, tried = sum(mhz >= r["clk_mhz"] for mhz in r["mhz"]), len(r["mhz"])
-        worst = f"{r['mhz_worst']}" + (
-            f"; {enough} of {tried} seeds meet the clock" if enough < tried else ""
-        )
-        area.append(f"| {name} | {r['clk_mhz']:g} | {worst} | {used} |")
+        short = f"; {enough} of {tried} seeds meet the clock" if enough < tried else ""
+        area.append(f"| {name} | {r['clk_mhz']:g} | {r['mhz_worst']}{short} | {used} |")
         taken, access = half_bit(board, config)
         if r["spi_out_ns"] is not None:
             left = taken - access - r["spi_out_ns"] - r["spi_in_ns"]
