@@ -181,7 +181,7 @@ def build(
         [device] if device or not board.devices else [name for name in board.devices if name != "12F"]
     )
     for seed in seeds:
-        if packed and not (patient and len(mhz) < MEASURED):
+        if packed and len(mhz) >= (MEASURED if patient else 1):
             break
         step(f"place and route by nextpnr, seed {seed}", f"{stem}.{seed}.pnr.log")
         try:
