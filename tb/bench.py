@@ -6,7 +6,7 @@ and beats: stimulus.py."""
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
 
-from harness.applicable import applies, whole
+from harness.applicable import applies, is_top, whole
 from harness.runner import COVERAGE_FLAGS, ONES, passed, refuses, run
 from harness.stimulus import (
     SEED,

@@ -52,6 +52,11 @@ def whole(dut):
     return not hasattr(dut, "mutsel")
 
 
+def is_top(dut):
+    """Whether the block is built alone, not beside other sizes: a port of the top cannot be put."""
+    return "." not in dut._path
+
+
 def declared(module):
     """{name: long} of the cocotb tests that a module defines."""
     found = [value for value in vars(module).values() if isinstance(value, TestGenerator)]

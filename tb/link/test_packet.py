@@ -291,8 +291,7 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "packets_o", "cop_dropped_o", "image_dropped_o", most=3, wraps=False)
 
 
-# A port of the top cannot be put: only where the block is built beside other sizes.
-@bench.applies(lambda dut: parameters(dut)["Cop"] and bench.whole(dut) and "." in dut._path)
+@bench.applies(lambda dut: parameters(dut)["Cop"] and bench.whole(dut) and not bench.is_top(dut))
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def counters_count_from_any_value(dut):
     """A packet that is begun, and a centre of pressure that replaces another."""
